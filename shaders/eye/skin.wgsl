@@ -1,0 +1,116 @@
+// The skin of the lids and around them, the wet lid margin and the caruncle.
+//
+// Light scatters under the skin: red travels furthest, so terminators and
+// shadows turn red, and thin lids glow a little. The sheen has two lobes
+// (oil over a rough base); creases and pores break it.
+
+struct Skin {
+    studio: Studio,
+    // Albedo of the skin, linear sRGB; w: roughness.
+    albedo: vec4<f32>,
+    // Colour of blood-rich, wet tissue (margin, caruncle); w: pore strength.
+    flesh: vec4<f32>,
+};
+
+@group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> skin: Skin;
+
+fn hash3(p: vec3<i32>) -> f32 {
+    var h = u32(p.x) * 0x9E3779B1u ^ u32(p.y) * 0x85EBCA77u ^ u32(p.z) * 0xC2B2AE3Du;
+    h ^= h >> 15u;
+    h *= 0x2C1B3C6Du;
+    h ^= h >> 12u;
+    h *= 0x297A2D39u;
+    h ^= h >> 15u;
+    return f32(h) * (1.0 / 4294967296.0);
+}
+
+fn value_noise(p: vec3<f32>) -> f32 {
+    let cell = floor(p);
+    let f = p - cell;
+    let w = f * f * (3.0 - 2.0 * f);
+    let i = vec3<i32>(cell);
+    let near = mix(
+        mix(hash3(i), hash3(i + vec3(1, 0, 0)), w.x),
+        mix(hash3(i + vec3(0, 1, 0)), hash3(i + vec3(1, 1, 0)), w.x), w.y);
+    let far = mix(
+        mix(hash3(i + vec3(0, 0, 1)), hash3(i + vec3(1, 0, 1)), w.x),
+        mix(hash3(i + vec3(0, 1, 1)), hash3(i + vec3(1, 1, 1)), w.x), w.y);
+    return mix(near, far, w.z);
+}
+
+// Fine relief of the skin in mm: pores and the lattice of lines between them,
+// faded out where a pixel is wider than they are.
+fn skin_height(p: vec3<f32>, footprint: f32) -> f32 {
+    let fine = value_noise(p * 3.3) * smoothstep(0.35, 0.10, footprint);
+    let middle = value_noise(p * 1.4 + 7.1) * smoothstep(0.8, 0.25, footprint);
+    return 0.045 * fine + 0.06 * middle;
+}
+
+fn sheen(n: vec3<f32>, v: vec3<f32>, l: vec3<f32>, roughness: f32, lamp: f32) -> f32 {
+    let h = normalize(l + v);
+    let nl = max(dot(n, l), 0.0);
+    let nv = max(dot(n, v), 0.05);
+    let alpha = clamp(roughness * roughness + 0.3 * lamp, 0.01, 1.0);
+    let f = fresnel_dielectric(max(dot(v, h), 0.0), 1.0, 1.42);
+    return 3.14159265 * ggx_ndf(max(dot(n, h), 0.0), alpha) * ggx_visibility_smith(nl, nv, alpha) * f * nl;
+}
+
+@fragment
+fn fragment(in: Surface) -> @location(0) vec4<f32> {
+    let p = in.position;
+    // Pores and blotches stick to the skin: they are looked up where it rests.
+    let q = in.rest;
+    let v = normalize(in.camera - p);
+    let footprint = pixel_footprint(distance(in.camera, p));
+    // tissue: r wet margin, g thinness of the lid, b caruncle and corner, a occlusion (1 open).
+    let wet = clamp(in.tissue.r, 0.0, 1.0);
+    let thin = clamp(in.tissue.g, 0.0, 1.0);
+    let flesh = clamp(max(in.tissue.r * 0.75, in.tissue.b), 0.0, 1.0);
+    let open = clamp(in.tissue.a, 0.0, 1.0);
+
+    let rough_place = (1.0 - wet) * (1.0 - in.tissue.b) * skin.flesh.w;
+    var n = normalize(in.normal);
+    // Both sides of the thin mesh may be seen at a corner; light the one that faces the camera.
+    n = select(n, -n, dot(n, v) < -0.35);
+    if rough_place > 0.01 {
+        let e = max(0.12, footprint);
+        let h0 = skin_height(q, footprint);
+        let gradient = vec3(
+            skin_height(q + vec3(e, 0.0, 0.0), footprint) - h0,
+            skin_height(q + vec3(0.0, e, 0.0), footprint) - h0,
+            skin_height(q + vec3(0.0, 0.0, e), footprint) - h0) / e;
+        n = normalize(n - rough_place * (gradient - n * dot(gradient, n)));
+    }
+
+    // Colour: mottled by blood and by melanin, redder where the lid is thin, pink at the margin.
+    let blotch = value_noise(q * 0.22 + 3.0) * 0.6 + value_noise(q * 0.7) * 0.4 - 0.5;
+    let speck = value_noise(q * 2.1 + 11.0) - 0.5;
+    var albedo = skin.albedo.rgb * (1.0 + vec3(0.10, 0.16, 0.18) * blotch + vec3(0.05, 0.07, 0.07) * speck);
+    albedo *= mix(vec3(1.0), vec3(0.97, 0.86, 0.86), thin);
+    albedo = mix(albedo, skin.flesh.rgb * (1.0 + 0.3 * speck), flesh * 0.85);
+
+    let key = skin.studio.key_direction.xyz;
+    let fill = skin.studio.fill_direction.xyz;
+    let wrap = vec3(0.48, 0.28, 0.20);
+    var light = studio_ambient(skin.studio, n) * mix(vec3(0.30, 0.20, 0.17), vec3(1.0), open);
+    let shaded = mix(0.35, 1.0, open);
+    for (var c = 0; c < 3; c++) {
+        light[c] += skin.studio.key_color[c] * wrapped_cosine(dot(n, key), wrap[c]) * shaded;
+        light[c] += skin.studio.fill_color[c] * wrapped_cosine(dot(n, fill), wrap[c]) * shaded;
+    }
+    // Light that passes through a thin lid from behind its edge.
+    let through = max(dot(-n, key), 0.0) * thin * 0.35;
+    light += skin.studio.key_color.rgb * through * vec3(1.0, 0.22, 0.12);
+    var radiance = albedo * light;
+
+    let rough = mix(skin.albedo.w, 0.14, wet);
+    let grazing = 1.0 - max(dot(n, v), 0.0);
+    var specular = skin.studio.key_color.rgb * (0.62 * sheen(n, v, key, rough, skin.studio.key_direction.w) + 0.38 * sheen(n, v, key, rough * 1.7, 0.2));
+    specular += skin.studio.fill_color.rgb * sheen(n, v, fill, rough * 1.2, 0.3);
+    specular += studio_ambient(skin.studio, reflect(-v, n)) * (0.022 + 0.16 * pow(grazing, 5.0));
+    if wet > 0.02 {
+        specular = mix(specular, studio_radiance(skin.studio, reflect(-v, n), 0.10) * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337) * 0.8, wet * 0.7);
+    }
+    radiance += specular * mix(0.25, 1.0, open);
+    return vec4(output_transform(radiance, skin.studio.key_color.w), 1.0);
+}

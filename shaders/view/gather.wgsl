@@ -1,0 +1,202 @@
+// The view as it is shown: a Gaussian gather as wide as each pixel's blur, lids, output transform.
+
+@group(0) @binding(1) var view_colour: texture_2d<f32>;     // rgb linear radiance, a vergence in D
+@group(0) @binding(2) var view_sampler: sampler;            // linear, mips nearest, clamp to edge
+@group(0) @binding(3) var<storage, read> blur_px: array<f32>;
+@group(0) @binding(4) var<storage, read> tile_near: array<vec2<f32>>;
+#ifdef GLAUCOMA
+@group(0) @binding(5) var visual_field: texture_2d<f32>;
+#endif
+#ifdef COUNT_WORK
+// 0: taps taken; 1: pixels copied; 2: pixels shaded.
+@group(0) @binding(6) var<storage, read_write> work: array<atomic<u32>, 4>;
+#endif
+
+struct FullScreen {
+    @builtin(position) position: vec4<f32>,
+};
+
+@vertex
+fn fullscreen(@builtin(vertex_index) index: u32) -> FullScreen {
+    let corner = vec2<f32>(f32((index << 1u) & 2u), f32(index & 2u));
+    return FullScreen(vec4<f32>(corner * 2.0 - 1.0, 0.0, 1.0));
+}
+
+fn sample_view(place_px: vec2<f32>, level: f32) -> vec4<f32> {
+    return textureSampleLevel(view_colour, view_sampler, place_px / vec2<f32>(percept.size), level);
+}
+
+fn blur_at(place_px: vec2<f32>) -> f32 {
+    let pixel = vec2<u32>(clamp(place_px, vec2<f32>(0.0), vec2<f32>(percept.size) - 1.0));
+    return blur_px[pixel.y * percept.size.x + pixel.x];
+}
+
+// 0 where a tap lies at the pixel's depth or behind, 1 where it is clearly nearer; a slanted
+// surface's own slope stays below the ramp.
+fn nearness(tap_vergence: f32, vergence: f32) -> f32 {
+    return smoothstep(0.05, 0.15, (tap_vergence - vergence) / (tap_vergence + 0.2));
+}
+
+// Weight of a tap at `distance2` for a pixel of `inverse` = 1/(2 sigma^2), whose own weight is
+// `weight`: a nearer tap reaches only as far as its own blur does.
+fn tap_weight(weight: f32, place: vec2<f32>, distance2: f32, tap_vergence: f32, vergence: f32, sigma: f32) -> f32 {
+    let near = nearness(tap_vergence, vergence);
+    if near == 0.0 {
+        return weight;
+    }
+    let tap_sigma = clamp(0.25 * blur_at(place), 0.3, sigma);
+    return mix(weight, min(weight, exp(-0.5 * distance2 / (tap_sigma * tap_sigma))), near);
+}
+
+// Weighted mean of the taps around a place for a blur of `sigma` pixels.
+fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
+    let taps = gaussian_disc_taps(sigma, percept.max_taps);
+#ifdef COUNT_WORK
+    atomicAdd(&work[0], taps);
+    atomicAdd(&work[1], select(0u, 1u, taps == 0u));
+    atomicAdd(&work[2], 1u);
+#endif
+    if taps == 0u {
+        return centre.rgb;
+    }
+    var sum = vec3<f32>(0.0);
+    var total = 0.0;
+    if taps == 4u {
+        let a = sigma * sigma;
+        for (var k = 0u; k < 4u; k++) {
+            let offset = a * (2.0 * vec2<f32>(f32(k & 1u), f32(k >> 1u)) - 1.0);
+            let tap = sample_view(place + offset, 0.0);
+            let w = tap_weight(1.0, place + offset, 2.0 * a * a, tap.a, centre.a, sigma);
+            sum += w * tap.rgb;
+            total += w;
+        }
+    } else {
+        let level = gaussian_disc_level(sigma, taps);
+        let tap_sigma = gaussian_disc_tap_sigma(sigma, level);
+        let step2 = GAUSSIAN_DISC_RADIUS * GAUSSIAN_DISC_RADIUS * tap_sigma * tap_sigma / f32(taps);
+        // Equal areas: r^2 grows by one step a tap, so the Gaussian falls by one factor a tap.
+        let fall = exp(-0.5 * step2 / (tap_sigma * tap_sigma));
+        var weight = sqrt(fall);
+        var distance2 = 0.5 * step2;
+        var direction = vec2<f32>(1.0, 0.0);
+        for (var k = 0u; k < taps; k++) {
+            let offset = direction * sqrt(distance2);
+            let tap = sample_view(place + offset, level);
+            let w = tap_weight(weight, place + offset, distance2, tap.a, centre.a, sigma);
+            sum += w * tap.rgb;
+            total += w;
+            weight *= fall;
+            distance2 += step2;
+            direction = vec2<f32>(
+                GOLDEN_ANGLE_COS * direction.x - GOLDEN_ANGLE_SIN * direction.y,
+                GOLDEN_ANGLE_SIN * direction.x + GOLDEN_ANGLE_COS * direction.y,
+            );
+        }
+    }
+    // All taps can be nearer and sharp: then the pixel keeps its own colour.
+    let own = 1e-3;
+    return (sum + own * centre.rgb) / (total + own);
+}
+
+// Largest blur of clearly nearer tiles around a place, as a sigma in pixels (0: none). Tiles are 16
+// pixels wide, so a spread beyond 16 pixels (sigma 6.7) is cut.
+fn near_sigma(place: vec2<f32>, vergence: f32) -> f32 {
+    let tiles = (percept.size + 15u) / 16u;
+    let tile = vec2<i32>(place / 16.0);
+    var widest = 0.0;
+    for (var k = 0; k < 9; k++) {
+        let at = clamp(tile + vec2<i32>(k % 3, k / 3) - 1, vec2<i32>(0), vec2<i32>(tiles) - 1);
+        let extremes = tile_near[u32(at.y) * tiles.x + u32(at.x)];
+        widest = max(widest, select(0.0, extremes.x, nearness(extremes.y, vergence) > 0.0));
+    }
+    return min(0.25 * widest, 6.7);
+}
+
+// Blurred nearer surfaces over the pixel's own colour: each tap spreads its light over its own
+// Gaussian, and what they cover is covered.
+fn spread_near(place: vec2<f32>, centre: vec4<f32>, own: vec3<f32>, own_sigma: f32, sigma: f32) -> vec3<f32> {
+    let taps = gaussian_disc_taps(max(sigma, 0.71), percept.max_taps);
+#ifdef COUNT_WORK
+    atomicAdd(&work[0], taps);
+#endif
+    let level = gaussian_disc_level(sigma, taps);
+    let step2 = GAUSSIAN_DISC_RADIUS * GAUSSIAN_DISC_RADIUS * sigma * sigma / f32(taps);
+    var covered = vec4<f32>(0.0);
+    var distance2 = 0.5 * step2;
+    var direction = vec2<f32>(1.0, 0.0);
+    for (var k = 0u; k < taps; k++) {
+        let at = place + direction * sqrt(distance2);
+        let tap = sample_view(at, level);
+        let near = nearness(tap.a, centre.a);
+        let tap_sigma = 0.25 * blur_at(at);
+        if near > 0.0 && tap_sigma > own_sigma {
+            let variance = tap_sigma * tap_sigma;
+            // The tap stands for an area of pi step2 and spreads as exp(-r^2/2v)/(2 pi v).
+            let w = min(near * 0.5 * step2 / variance * exp(-0.5 * distance2 / variance), 1.0);
+            covered += w * vec4<f32>(tap.rgb, 1.0);
+        }
+        distance2 += step2;
+        direction = vec2<f32>(
+            GOLDEN_ANGLE_COS * direction.x - GOLDEN_ANGLE_SIN * direction.y,
+            GOLDEN_ANGLE_SIN * direction.x + GOLDEN_ANGLE_COS * direction.y,
+        );
+    }
+    let alpha = min(covered.a, 1.0);
+    return mix(own, covered.rgb / max(covered.a, 1e-6), alpha);
+}
+
+// Linear radiance seen at a place of the view.
+fn seen_radiance(place: vec2<f32>) -> vec3<f32> {
+    let centre = sample_view(place, 0.0);
+    let sigma = 0.25 * blur_at(place);
+    var colour = gather_own(place, centre, sigma);
+    let near = near_sigma(place, centre.a);
+    if near > max(sigma, 0.5) {
+        colour = spread_near(place, centre, colour, max(sigma, 0.5), near);
+    }
+#ifdef GLAUCOMA
+    let tan_half_fov = vec2<f32>(percept.right.w, percept.up.w);
+    let ray = view_ray(place, vec2<f32>(percept.size), tan_half_fov);
+    let lost = 1.0 - seen_fraction(visual_field, perimetric_angles(ray, percept.fixation.xyz));
+    let grey = dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722));
+    colour = mix(colour, vec3<f32>(grey), lost * percept.loss_desaturation);
+    colour *= 1.0 - lost * percept.loss_darkening;
+#endif
+    return colour;
+}
+
+// Light through closed lids: little, and red, because blood takes the rest.
+const EYELID_TINT = vec3<f32>(0.010, 0.0016, 0.0008);
+
+fn marker_coverage(position: vec2<f32>) -> f32 {
+    let off = abs(length(position - percept.marker) - percept.marker_radius_px);
+    return select(0.0, clamp(1.5 - off, 0.0, 1.0), percept.marker_radius_px > 0.0);
+}
+
+// Light through the lids from the whole view: the last level of the mips is its mean.
+fn eyelid_glow() -> vec3<f32> {
+    let mean = sample_view(0.5 * vec2<f32>(percept.size), 31.0).rgb;
+    return EYELID_TINT * dot(mean, vec3<f32>(0.2126, 0.7152, 0.0722));
+}
+
+fn shown(radiance: vec3<f32>, position: vec2<f32>) -> vec4<f32> {
+    let colour = output_transform(radiance, percept.exposure);
+    return vec4<f32>(mix(colour, vec3<f32>(0.02, 0.85, 0.25), 0.85 * marker_coverage(position)), 1.0);
+}
+
+@fragment
+fn present(input: FullScreen) -> @location(0) vec4<f32> {
+    let uv = input.position.xy / percept.target_size;
+    let open = eyelid_transmission(uv.y, percept.lid_aperture);
+    var radiance = (1.0 - open) * eyelid_glow();
+    if open > 0.0 {
+        radiance += open * seen_radiance(uv * vec2<f32>(percept.size));
+    }
+    return shown(radiance, input.position.xy);
+}
+
+// The same for a lid aperture of 0, for devices on which a branch not taken still costs its time.
+@fragment
+fn present_closed(input: FullScreen) -> @location(0) vec4<f32> {
+    return shown(eyelid_glow(), input.position.xy);
+}

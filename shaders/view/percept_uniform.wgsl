@@ -1,0 +1,40 @@
+// What every pass of the view reads. Keep in sync with src/percept/gpu_data.rs (208 bytes).
+// View frame: +x right, +y up, looking along -z; image y runs down.
+struct PerceptUniform {
+    right: vec4<f32>,               // xyz: view +x in the world; w: tan(half the horizontal field)
+    up: vec4<f32>,                  // xyz: view +y in the world; w: tan(half the vertical field)
+    back: vec4<f32>,                // xyz: view +z in the world; w: near plane, m
+    eye: vec4<f32>,                 // xyz: eye minus field origin, m; w: voxel side, m (0: by distance)
+    fixation: vec4<f32>,            // xyz: unit direction in the view frame; w: focused vergence, D
+    size: vec2<u32>,                // view, pixels
+    supersampling: u32,             // scene texels a view pixel, along each axis
+    slot_mask: u32,                 // slots in the voxel table minus one
+    epoch: u32,                     // blinks, counted round from 0 to 255
+    starve_steps: u32,              // R(now) in 1/4096
+    rebase_steps: u32,              // for `rebase` only
+    fast_threshold: u32,            // 0..=255
+    pupil_m: f32,
+    refraction_d: f32,
+    neural_floor_rad: f32,
+    eccentricity_e2_rad: f32,
+    coc_cap_rad: f32,               // blur of what was not seen since the last blink
+    pixels_per_radian: f32,         // at the middle of the view
+    voxel_angle_rad: f32,
+    exposure: f32,
+    target_size: vec2<f32>,         // of the image that `present` draws, pixels
+    marker: vec2<f32>,              // fixation marker, target pixels from the top left
+    marker_radius_px: f32,          // 0: no marker
+    lid_aperture: f32,              // 0 closed .. 1 open
+    max_taps: u32,
+    candidate_capacity: u32,
+    eccentricity_penalty: f32,      // glaucoma: rad of blur per rad of eccentricity
+    loss_blur_rad: f32,             // glaucoma: blur where the field is lost
+    loss_darkening: f32,            // glaucoma: fraction of light missing where lost
+    loss_desaturation: f32,         // glaucoma: fraction of colour missing where lost
+    field_half_width_rad: f32,      // glaucoma: half the side of the visual-field map
+    luma_exposure: f32,             // scene radiance that FAST calls white is 1 / this
+    table_slots_old: u32,           // for `grow_table` only
+    padding: f32,
+};
+
+@group(0) @binding(0) var<uniform> percept: PerceptUniform;

@@ -1,0 +1,329 @@
+//! The command line.
+
+use super::Session;
+use crate::anatomy::{PRESETS, load_patient};
+use crate::appearance::EyeOrbit;
+use crate::lab::render::{PanelChoice, RenderReport, RenderRequest, layout, render};
+use crate::percept::{ViewOptions, fast};
+use crate::scene::catalog::{BuiltIn, SceneSource};
+use crate::scene::photo::{decode_image, read_file};
+use bevy::math::UVec2;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::error::Error;
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// An anatomically accurate human eye to look at and to look through.
+///
+/// Without a command it opens a window: on the left the patient's eye, on the right what the
+/// patient sees.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    shown: Shown,
+}
+
+/// What is shown.
+#[derive(Args, Clone)]
+struct Shown {
+    /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
+    #[arg(long, global = true, default_value = "healthy-brown", value_name = "P")]
+    patient: String,
+    /// A built-in scene (`ocularium scenes`), a glTF or GLB file, or a PNG or JPEG photograph.
+    #[arg(long, global = true, default_value = "room", value_name = "S")]
+    scene: String,
+    /// Depth image of a photograph: grey PNG, white 0.5 m, black infinitely far, linear in dioptres.
+    #[arg(long, global = true, value_name = "IMAGE")]
+    depth: Option<PathBuf>,
+    /// Seed of every random choice, 0 to 18446744073709551615.
+    #[arg(long, global = true, default_value_t = 1, value_name = "N")]
+    seed: u64,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Renders frames, trace.csv and report.json into a folder, without a window.
+    Render(RenderArgs),
+    /// Finds FAST-9/16 corners of an image; prints CSV x,y,score.
+    Features(FeatureArgs),
+    /// Measures speed and error; writes CSV, plots and a summary into a folder.
+    Bench(BenchArgs),
+    /// Lists the built-in patients.
+    Patients,
+    /// Lists the built-in scenes.
+    Scenes,
+    /// Says whether a patient file is sound.
+    Check {
+        /// The patient file (RON).
+        file: String,
+    },
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum PanelArg {
+    /// The patient's eye.
+    Eye,
+    /// What the patient sees.
+    View,
+    /// Both, the eye on the left.
+    Both,
+}
+
+#[derive(Args)]
+struct RenderArgs {
+    /// Which panels are in the picture.
+    #[arg(long, value_enum, default_value = "both")]
+    panel: PanelArg,
+    /// Width and height of the picture in pixels, each 16 to 8192.
+    #[arg(long, default_value = "1280x640", value_name = "WxH", value_parser = parse_size)]
+    size: UVec2,
+    /// Length in seconds, above 0 to 3600.
+    #[arg(long, default_value_t = 3.0, value_name = "T", value_parser = parse_seconds)]
+    seconds: f64,
+    /// Frames a second, above 0 to 1000.
+    #[arg(long, default_value_t = 10.0, value_name = "F", value_parser = parse_fps)]
+    fps: f64,
+    /// The folder for frames, trace.csv and report.json; it is made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Where the camera before the eye stands: degrees to the patient's right and up,
+    /// −85 to 85 and −80 to 80.
+    #[arg(long, default_value = "0,0", value_name = "AZ,EL", value_parser = parse_orbit, allow_hyphen_values = true)]
+    orbit: [f32; 2],
+    /// Distance of that camera from the cornea in mm, 35 to 400.
+    #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance)]
+    distance: f32,
+    /// Draw a ring in the view where the eye looks.
+    #[arg(long)]
+    marker: bool,
+    /// FAST threshold for what may be looked at, 0 to 255.
+    #[arg(long, default_value_t = 20, value_name = "T")]
+    threshold: u8,
+}
+
+#[derive(Args)]
+struct FeatureArgs {
+    /// A PNG or JPEG image, at least 7×7 and at most 16384 pixels wide or high; colour becomes
+    /// Rec. 709 luma.
+    image: PathBuf,
+    /// Threshold, 0 to 255: a corner's ring differs by more than this.
+    #[arg(long, value_name = "T")]
+    threshold: u8,
+    /// Keep corners whose neighbours are as strong or stronger.
+    #[arg(long)]
+    no_nms: bool,
+}
+
+#[derive(Args)]
+struct BenchArgs {
+    /// Fewer and smaller runs.
+    #[arg(long)]
+    quick: bool,
+    /// The folder for CSV, plots and the summary.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+fn parse_size(text: &str) -> Result<UVec2, String> {
+    let wrong = || format!("{text:?} is not a size such as 1280x640, each side 16 to 8192 pixels");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let side = |side: &str| {
+        side.trim()
+            .parse::<u32>()
+            .ok()
+            .filter(|side| (16..=8192).contains(side))
+            .ok_or_else(wrong)
+    };
+    Ok(UVec2::new(side(width)?, side(height)?))
+}
+
+fn parse_range(text: &str, what: &str, low: f64, high: f64) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|value| *value > low && *value <= high)
+        .ok_or_else(|| format!("{text:?} is not {what} above {low} and up to {high}"))
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_range(text, "a number of seconds", 0.0, 3600.0)
+}
+
+fn parse_fps(text: &str) -> Result<f64, String> {
+    parse_range(text, "a frame rate", 0.0, 1000.0)
+}
+
+fn parse_distance(text: &str) -> Result<f32, String> {
+    text.parse::<f32>()
+        .ok()
+        .filter(|value| (35.0..=400.0).contains(value))
+        .ok_or_else(|| format!("{text:?} is not a distance of 35 to 400 mm"))
+}
+
+fn parse_orbit(text: &str) -> Result<[f32; 2], String> {
+    let wrong = || format!("{text:?} is not AZ,EL in degrees, −85 to 85 and −80 to 80");
+    let (azimuth, elevation) = text.split_once(',').ok_or_else(wrong)?;
+    let angle = |text: &str, most: f32| {
+        text.trim()
+            .parse::<f32>()
+            .ok()
+            .filter(|angle| angle.abs() <= most)
+            .ok_or_else(wrong)
+    };
+    Ok([angle(azimuth, 85.0)?, angle(elevation, 80.0)?])
+}
+
+/// Runs the program and says how it ended: 0, 1 for what a user got wrong, 2 for the command line.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    match obey(cli) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("ocularium: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn obey(cli: Cli) -> Result<ExitCode, Box<dyn Error>> {
+    match cli.command {
+        None => {
+            let session = session(&cli.shown)?;
+            crate::lab::headless::require_device()?;
+            super::windowed::run(session)?;
+        }
+        Some(Command::Render(arguments)) => return render_command(&cli.shown, &arguments),
+        Some(Command::Features(arguments)) => features(&arguments)?,
+        Some(Command::Bench(arguments)) => {
+            crate::lab::bench::run(&arguments.out, arguments.quick)?;
+        }
+        Some(Command::Patients) => {
+            let mut out = std::io::stdout().lock();
+            for preset in PRESETS {
+                let patient = load_patient(preset.name)?;
+                say(&mut out, &format!("{:<20} {}", preset.name, patient.description))?;
+            }
+        }
+        Some(Command::Scenes) => {
+            let mut out = std::io::stdout().lock();
+            for scene in BuiltIn::ALL {
+                say(&mut out, &format!("{:<20} {}", scene.name(), scene.description()))?;
+            }
+        }
+        Some(Command::Check { file }) => {
+            let patient = load_patient(&file)?;
+            say(
+                &mut std::io::stdout().lock(),
+                &format!("{file}: sound: {} ({} years)", patient.name, patient.age_years),
+            )?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a line; a reader that has gone away is no error.
+fn say(out: &mut impl Write, line: &str) -> std::io::Result<()> {
+    match writeln!(out, "{line}") {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
+    let patient = load_patient(&shown.patient)?;
+    let scene = SceneSource::resolve(&shown.scene, shown.depth.as_deref())?;
+    Ok(Session::new(patient, scene, shown.seed))
+}
+
+fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
+    let panels = match arguments.panel {
+        PanelArg::Eye => PanelChoice::Eye,
+        PanelArg::View => PanelChoice::View,
+        PanelArg::Both => PanelChoice::Both,
+    };
+    let (sizes, drawn) = layout(panels, arguments.size);
+    if let Some(small) = sizes.iter().zip(drawn).find(|(size, drawn)| *drawn && size.min_element() < 16) {
+        return Err(format!(
+            "--size {}x{} leaves a panel of {}x{} pixels; each panel needs at least 16x16",
+            arguments.size.x, arguments.size.y, small.0.x, small.0.y
+        )
+        .into());
+    }
+    let request = RenderRequest {
+        panels,
+        size: arguments.size,
+        seconds: arguments.seconds,
+        fps: arguments.fps,
+        orbit: EyeOrbit {
+            azimuth_deg: arguments.orbit[0],
+            elevation_deg: arguments.orbit[1],
+            distance_mm: arguments.distance,
+        },
+        options: ViewOptions {
+            marker: arguments.marker,
+            threshold: arguments.threshold,
+        },
+        out: arguments.out.clone(),
+    };
+    let session = session(shown)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // A second Ctrl-C ends the program at once; whole files stay whole either way.
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })?;
+    let lively = std::io::stderr().is_terminal();
+    let report = render(session, &request, &stop, |done, total| {
+        if lively {
+            eprint!("\rframe {done} of {total}");
+        }
+    })?;
+    if lively {
+        eprintln!();
+    }
+    Ok(conclude(&report, &arguments.out))
+}
+
+fn conclude(report: &RenderReport, out: &std::path::Path) -> ExitCode {
+    eprintln!(
+        "{} frames, trace.csv and report.json in {} ({}; {:.0} ms a frame)",
+        report.frames,
+        out.display(),
+        report.device,
+        report.frame_ms_median,
+    );
+    if report.interrupted {
+        eprintln!("ocularium: interrupted; what is in the folder is whole");
+        return ExitCode::from(130);
+    }
+    ExitCode::SUCCESS
+}
+
+fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {
+    let name = arguments.image.display().to_string();
+    let bytes = read_file(&arguments.image)?;
+    let grey = decode_image(&bytes, &name, 7)?.to_luma8();
+    let corners = fast::detect(
+        grey.as_raw(),
+        grey.width() as usize,
+        grey.height() as usize,
+        arguments.threshold,
+        !arguments.no_nms,
+    )?;
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    say(&mut out, "x,y,score")?;
+    for corner in &corners {
+        say(&mut out, &format!("{},{},{}", corner.x, corner.y, corner.score))?;
+    }
+    match out.flush() {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => Ok(other?),
+    }
+}

@@ -1,0 +1,145 @@
+//! The soft tissue between the lids at their corners, and the tear meniscus along the margins.
+//!
+//! In: points of the posed margins and the globe's radius. Out: small grids of points. The medial
+//! grid carries the plica semilunaris (a crescent fold where the conjunctiva leaves the globe) and the
+//! caruncle (a lobed mound of modified skin, about 5 × 3 mm); the lateral one closes the outer corner.
+//! Frame: globe frame, mm, right eye.
+
+use glam::Vec3;
+
+use super::lids::{Fissure, Lid, LidPose, MARGIN_CLEARANCE_MM, smooth};
+
+/// Columns of a corner grid, along the margins.
+pub const CORNER_COLUMNS: usize = 19;
+/// Rows of a corner grid, from the lower to the upper lid.
+pub const CORNER_ROWS: usize = 17;
+/// Stations of the tear meniscus along each margin.
+pub const MENISCUS_STATIONS: usize = 65;
+/// Points across the meniscus.
+pub const MENISCUS_POINTS: usize = 5;
+
+/// How far the free edge of a corner grid dips below the globe's surface, mm.
+pub const SUNK_MM: f32 = 0.2;
+
+/// Which corner of the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Corner {
+    /// At the nose, with plica and caruncle.
+    Medial,
+    /// At the temple.
+    Lateral,
+}
+
+impl Corner {
+    /// Margin parameter of grid column `c`: 0 of the grid is the canthus.
+    fn t(self, c: usize) -> f32 {
+        let s = c as f32 / (CORNER_COLUMNS - 1) as f32;
+        match self {
+            Self::Medial => 0.23 * s,
+            Self::Lateral => 1.0 - 0.17 * s,
+        }
+    }
+}
+
+/// Caruncle weight (0 … 1) and conjunctival redness at a grid point, for the skin shader.
+pub fn corner_tissue(corner: Corner, column: usize, row: usize) -> [f32; 2] {
+    let s = column as f32 / (CORNER_COLUMNS - 1) as f32;
+    let q = row as f32 / (CORNER_ROWS - 1) as f32;
+    match corner {
+        Corner::Medial => [
+            (mound(s, q) * 1.25 + 0.35 * ridge(s, q)).min(1.0),
+            1.0 - smooth(0.55, 1.0, s),
+        ],
+        Corner::Lateral => [0.0, 0.8 * (1.0 - smooth(0.1, 1.0, s))],
+    }
+}
+
+/// Caruncle: 1 at its top, with a few lobes.
+fn mound(s: f32, q: f32) -> f32 {
+    let (ds, dq) = ((s - 0.36) / 0.21, (q - 0.47) / 0.36);
+    let lobes = 1.0 + 0.2 * (s * 40.0 + 2.0 * (q * 11.0).sin()).sin() * (q * 17.0 + 1.0).sin();
+    (-(ds * ds + dq * dq)).exp() * lobes
+}
+
+/// Plica: a crescent whose horns point away from the nose.
+fn ridge(s: f32, q: f32) -> f32 {
+    let bow = 0.6 + 0.16 * (2.0 * q - 1.0).powi(2);
+    let side = (s - bow) / if s > bow { 0.055 } else { 0.12 };
+    (-side * side).exp()
+}
+
+/// One corner grid, row by row from the lower to the upper lid ([`CORNER_ROWS`] × [`CORNER_COLUMNS`]).
+pub fn corner_grid(
+    corner: Corner,
+    fissure: &Fissure,
+    pose: &LidPose,
+    globe_radius: &dyn Fn(Vec3) -> f32,
+    out: &mut [Vec3],
+) {
+    for c in 0..CORNER_COLUMNS {
+        let t = corner.t(c);
+        let s = c as f32 / (CORNER_COLUMNS - 1) as f32;
+        let upper = fissure.margin(Lid::Upper, t, pose);
+        let lower = fissure.margin(Lid::Lower, t, pose);
+        let gap = upper.direction.distance(lower.direction) * 11.5;
+        // The mounds are soft: closing lids press them flat.
+        let room = smooth(0.0, 2.2, gap);
+        for r in 0..CORNER_ROWS {
+            let q = r as f32 / (CORNER_ROWS - 1) as f32;
+            // A little beyond the margins on both sides, so that the edge is hidden by the lids.
+            let reach = -0.12 + 1.24 * q;
+            let direction =
+                (lower.direction + (upper.direction - lower.direction) * reach).normalize_or_zero();
+            let edge = lower.lift_mm + (upper.lift_mm - lower.lift_mm) * q - 0.7 * (1.0 - room);
+            let floor = match corner {
+                Corner::Medial => edge * (1.0 - smooth(0.1, 0.8, s)) * 0.8,
+                Corner::Lateral => edge * (1.0 - smooth(0.1, 0.8, s)) * 0.85,
+            };
+            let rise = (2.0 * q - 1.0).abs().powi(3);
+            let mut off = floor + (edge - 0.02 - floor) * rise;
+            if corner == Corner::Medial {
+                off += room * (1.35 * mound(s, q) + 0.5 * ridge(s, q)) * (1.0 - rise);
+            }
+            // The free edge dips under the globe's surface, so that it shows as a clean crescent.
+            off += (-SUNK_MM - off) * smooth(0.75, 1.0, s);
+            out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off.max(-SUNK_MM));
+        }
+    }
+}
+
+/// One tear meniscus: [`MENISCUS_STATIONS`] × [`MENISCUS_POINTS`] points from the globe to the margin,
+/// a concave strip about 0.25 mm high that thins out where the lids nearly touch.
+pub fn meniscus_strip(
+    lid: Lid,
+    fissure: &Fissure,
+    pose: &LidPose,
+    globe_radius: &dyn Fn(Vec3) -> f32,
+    out: &mut [Vec3],
+) {
+    let height: f32 = match lid {
+        Lid::Upper => 0.2,
+        Lid::Lower => 0.3,
+    };
+    for i in 0..MENISCUS_STATIONS {
+        let t = 0.2 + 0.76 * i as f32 / (MENISCUS_STATIONS - 1) as f32;
+        let (own, other) = match lid {
+            Lid::Upper => (Lid::Upper, Lid::Lower),
+            Lid::Lower => (Lid::Lower, Lid::Upper),
+        };
+        let margin = fissure.margin(own, t, pose);
+        let across = fissure.margin(other, t, pose).direction - margin.direction;
+        let gap = across.length() * 11.5;
+        let inwards = across.normalize_or_zero();
+        let ends = smooth(0.0, 0.08, t - 0.2) * (1.0 - smooth(0.9, 0.96, t));
+        let reach = height.min(0.4 * gap) * ends.max(0.02);
+        for k in 0..MENISCUS_POINTS {
+            let s = k as f32 / (MENISCUS_POINTS - 1) as f32;
+            // From the globe (s = 0) to the margin (s = 1), sagging towards their corner.
+            let (along, off) = ((1.0 - s).powf(1.7) * reach, s.powf(1.7) * reach);
+            let direction = (margin.direction + inwards * (along / 11.5)).normalize_or_zero();
+            let lift = margin.lift_mm * smooth(0.0, 0.6, s) + MARGIN_CLEARANCE_MM * s;
+            out[i * MENISCUS_POINTS + k] =
+                direction * (globe_radius(direction) + 0.01 + lift + off);
+        }
+    }
+}

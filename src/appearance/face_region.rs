@@ -1,0 +1,453 @@
+//! The skin around one eye: lids that blink and follow gaze, margins, corners, tear meniscus.
+//!
+//! In: a [`LidPose`] and the globe's radius along a direction. Out: positions, normals and light of one
+//! fixed triangle mesh. Outside the orbital border it is the cut CC0 face refined by Catmull–Clark with
+//! its blend shapes (`face_cage`); inside, the face's coarse lids are replaced by columns that run from
+//! the border to the margin and under it (`lids`), tangent to the face at the border. Two small grids
+//! fill the corners (`canthus`). Frame: globe frame, mm, right eye (mirror x for the left).
+
+use glam::Vec3;
+
+use super::canthus::{
+    CORNER_COLUMNS, CORNER_ROWS, Corner, MENISCUS_POINTS, MENISCUS_STATIONS, corner_grid,
+    corner_tissue, meniscus_strip,
+};
+pub use super::face_cage::FaceError;
+use super::face_cage::{Cage, Shape};
+use super::lid_profile::{ANTERIOR_ROW, Column, ColumnFrame, EDGE_ROWS, ROWS, column_profile};
+pub use super::lids::LidPose;
+use super::lids::{Fissure, Lid, MarginPoint, smooth};
+
+/// Points of each margin polyline in [`PosedRegion`].
+pub const MARGIN_POINTS: usize = 33;
+
+/// The region's mesh at rest.
+#[derive(Clone, Debug)]
+pub struct EyeRegion {
+    cage: Cage,
+    fissure: Fissure,
+    indices: Vec<u32>,
+    meniscus_indices: Vec<u32>,
+    uvs: Vec<[f32; 2]>,
+    tissue: Vec<[f32; 4]>,
+    rest: Vec<[f32; 3]>,
+}
+
+/// A posed region. Reuse it: its buffers keep their size.
+#[derive(Clone, Debug, Default)]
+pub struct PosedRegion {
+    /// Positions, mm.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit normals, outwards.
+    pub normals: Vec<[f32; 3]>,
+    /// Share of the sky that reaches the vertex, 0 … 1: dark in the fold and under the lids.
+    pub light: Vec<f32>,
+    /// Posterior edge of the upper margin, medial to lateral, [`MARGIN_POINTS`] points, mm.
+    pub upper_margin: Vec<Vec3>,
+    /// Posterior edge of the lower margin.
+    pub lower_margin: Vec<Vec3>,
+    /// Anterior edge of the upper margin, where lashes grow.
+    pub upper_lash_line: Vec<Vec3>,
+    /// Anterior edge of the lower margin.
+    pub lower_lash_line: Vec<Vec3>,
+    /// Tear meniscus, lower strip then upper, mm.
+    pub meniscus_positions: Vec<[f32; 3]>,
+    /// Unit normals of the meniscus.
+    pub meniscus_normals: Vec<[f32; 3]>,
+    points: Vec<Vec3>,
+    scratch: Vec<Vec3>,
+}
+
+impl EyeRegion {
+    /// Reads and refines the shipped face.
+    ///
+    /// # Errors
+    /// When the shipped files are not what [`FaceError`] says they must be.
+    pub fn load() -> Result<Self, FaceError> {
+        let cage = Cage::load()?;
+        let mut region = Self {
+            indices: Vec::new(),
+            meniscus_indices: meniscus_indices(),
+            uvs: Vec::new(),
+            tissue: Vec::new(),
+            rest: Vec::new(),
+            fissure: Fissure::default(),
+            cage,
+        };
+        region.indices = region.triangles();
+        region.tissue = region.tissue_weights();
+        let closed = LidPose {
+            aperture: 0.25,
+            ..LidPose::default()
+        };
+        let mut posed = PosedRegion::default();
+        region.pose(&closed, &|_| 11.5, &mut posed);
+        region.uvs = posed
+            .positions
+            .iter()
+            .map(|p| [0.5 + p[0] / 120.0, 0.5 - p[1] / 120.0])
+            .collect();
+        region.rest = posed.positions;
+        Ok(region)
+    }
+
+    /// Triangles, counter-clockwise from outside.
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+
+    /// Triangles of the tear meniscus.
+    pub fn meniscus_indices(&self) -> &[u32] {
+        &self.meniscus_indices
+    }
+
+    /// Texture coordinates: (x, −y) of the lids nearly closed, 120 mm wide, so lid skin is not squeezed.
+    pub fn uvs(&self) -> &[[f32; 2]] {
+        &self.uvs
+    }
+
+    /// Positions with the lids nearly closed, mm: where to evaluate solid noise so that it sticks.
+    pub fn rest(&self) -> &[[f32; 3]] {
+        &self.rest
+    }
+
+    /// For each vertex, 0 … 1: wet pink margin, thin translucent lid, caruncle and canthus, brow.
+    pub fn tissue(&self) -> &[[f32; 4]] {
+        &self.tissue
+    }
+
+    /// The resting margins.
+    pub fn fissure(&self) -> &Fissure {
+        &self.fissure
+    }
+
+    fn lid_start(&self) -> usize {
+        self.cage.positions.len()
+    }
+
+    fn corner_start(&self, corner: Corner) -> usize {
+        let lids = self.lid_start() + self.cage.border.len() * ROWS;
+        match corner {
+            Corner::Medial => lids,
+            Corner::Lateral => lids + CORNER_COLUMNS * CORNER_ROWS,
+        }
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.corner_start(Corner::Lateral) + CORNER_COLUMNS * CORNER_ROWS
+    }
+
+    fn triangles(&self) -> Vec<u32> {
+        let mut out = Vec::new();
+        let mut quad = |a: u32, b: u32, c: u32, d: u32| out.extend([a, b, c, a, c, d]);
+        for &[a, b, c, d] in &self.cage.quads {
+            quad(a, b, c, d);
+        }
+        let columns = self.cage.border.len();
+        let at = |j: usize, row: usize| {
+            let j = j % columns;
+            if row == ROWS {
+                self.cage.border[j].index
+            } else {
+                (self.lid_start() + j * ROWS + row) as u32
+            }
+        };
+        for j in 0..columns {
+            for row in 0..ROWS {
+                quad(
+                    at(j, row),
+                    at(j, row + 1),
+                    at(j + 1, row + 1),
+                    at(j + 1, row),
+                );
+            }
+        }
+        for corner in [Corner::Medial, Corner::Lateral] {
+            let at =
+                |c: usize, r: usize| (self.corner_start(corner) + r * CORNER_COLUMNS + c) as u32;
+            for c in 0..CORNER_COLUMNS - 1 {
+                for r in 0..CORNER_ROWS - 1 {
+                    match corner {
+                        Corner::Medial => {
+                            quad(at(c, r), at(c, r + 1), at(c + 1, r + 1), at(c + 1, r))
+                        }
+                        Corner::Lateral => {
+                            quad(at(c, r), at(c + 1, r), at(c + 1, r + 1), at(c, r + 1))
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    fn tissue_weights(&self) -> Vec<[f32; 4]> {
+        let mut out: Vec<[f32; 4]> = self
+            .cage
+            .positions
+            .iter()
+            .map(|p| [0.0, 0.0, 0.0, brow_weight(*p)])
+            .collect();
+        const WET: [f32; EDGE_ROWS] = [1.0, 1.0, 1.0, 1.0, 0.9, 0.55, 0.15, 0.0];
+        for border in &self.cage.border {
+            let t = border.column.t;
+            let corner = (1.0 - smooth(0.0, 0.12, t)).max(0.6 * smooth(0.95, 1.0, t));
+            for row in 0..ROWS {
+                let along = (row as f32 - ANTERIOR_ROW as f32) / (ROWS - ANTERIOR_ROW) as f32;
+                let thin = 1.0 - smooth(0.25, 1.0, along);
+                let wet = WET.get(row).copied().unwrap_or(0.0);
+                let pink = corner * (1.0 - smooth(0.0, 0.35, along));
+                out.push([wet, thin, pink, 0.0]);
+            }
+        }
+        for corner in [Corner::Medial, Corner::Lateral] {
+            for r in 0..CORNER_ROWS {
+                for c in 0..CORNER_COLUMNS {
+                    let [caruncle, red] = corner_tissue(corner, c, r);
+                    out.push([1.0, 0.0, caruncle.max(0.6 * red), 0.0]);
+                }
+            }
+        }
+        out
+    }
+
+    /// Poses the region over a globe whose radius (mm) along a unit vector is `globe_radius`.
+    pub fn pose(&self, pose: &LidPose, globe_radius: &dyn Fn(Vec3) -> f32, out: &mut PosedRegion) {
+        let pose = pose.clamped();
+        let count = self.vertex_count();
+        out.points.clear();
+        out.points.extend_from_slice(&self.cage.positions);
+        out.points.resize(count, Vec3::ZERO);
+        out.light.clear();
+        out.light.resize(count, 1.0);
+        self.pose_face(&pose, &mut out.points);
+        self.pose_lids(&pose, globe_radius, out);
+        for corner in [Corner::Medial, Corner::Lateral] {
+            let start = self.corner_start(corner);
+            let end = start + CORNER_COLUMNS * CORNER_ROWS;
+            corner_grid(
+                corner,
+                &self.fissure,
+                &pose,
+                globe_radius,
+                &mut out.points[start..end],
+            );
+            out.light[start..end].fill(0.85);
+        }
+        write_normals(
+            &out.points,
+            &self.indices,
+            &mut out.scratch,
+            &mut out.normals,
+        );
+        out.positions.clear();
+        out.positions
+            .extend(out.points.iter().map(|p| p.to_array()));
+        self.pose_meniscus(&pose, globe_radius, out);
+    }
+
+    fn pose_face(&self, pose: &LidPose, points: &mut [Vec3]) {
+        let up = pose.gaze_elevation_rad / 0.6;
+        let right = pose.gaze_azimuth_rad / 0.6;
+        let weights = [
+            (Shape::Blink, 0.5 * pose.lowered()),
+            (Shape::LookUp, up.max(0.0)),
+            (Shape::LookDown, (-up).max(0.0)),
+            (Shape::LookIn, (-right).max(0.0)),
+            (Shape::LookOut, right.max(0.0)),
+            (Shape::Squint, 0.8 * pose.squint),
+            (Shape::Wide, 2.5 * (pose.aperture - 1.0).max(0.0)),
+        ];
+        for (shape, weight) in weights.into_iter().filter(|(_, w)| *w > 1e-4) {
+            for &(v, offset) in &self.cage.shapes[shape as usize] {
+                points[v as usize] += offset * weight;
+            }
+        }
+    }
+
+    fn pose_lids(&self, pose: &LidPose, globe_radius: &dyn Fn(Vec3) -> f32, out: &mut PosedRegion) {
+        let columns: Vec<Column> = self.cage.border.iter().map(|b| b.column).collect();
+        let margins: Vec<MarginPoint> = columns
+            .iter()
+            .map(|c| self.fissure.margin(c.lid, c.t, pose))
+            .collect();
+        let borders: Vec<Vec3> = self
+            .cage
+            .border
+            .iter()
+            .map(|b| out.points[b.index as usize])
+            .collect();
+        let away = away_tangents(&columns, &margins);
+        let start = self.lid_start();
+        for (j, border) in self.cage.border.iter().enumerate() {
+            // The inner neighbour was cut away; it rides with its border vertex.
+            let rest = self.cage.positions[border.index as usize];
+            let inner = border.inner + (borders[j] - rest);
+            let frame = ColumnFrame {
+                margin: margins[j],
+                away: away[j],
+                border: borders[j],
+                border_tangent: (out.points[border.outer as usize] - inner).normalize_or_zero(),
+            };
+            let rows = start + j * ROWS..start + (j + 1) * ROWS;
+            let (points, light) = (&mut out.points[rows.clone()], &mut out.light[rows]);
+            column_profile(&columns[j], &frame, pose, globe_radius, points, light);
+        }
+        let anterior = |j: usize| out.points[start + j * ROWS + ANTERIOR_ROW];
+        resample(&columns, Lid::Upper, anterior, &mut out.upper_lash_line);
+        resample(&columns, Lid::Lower, anterior, &mut out.lower_lash_line);
+        for (lid, line) in [
+            (Lid::Upper, &mut out.upper_margin),
+            (Lid::Lower, &mut out.lower_margin),
+        ] {
+            line.clear();
+            line.extend((0..MARGIN_POINTS).map(|i| {
+                let t = i as f32 / (MARGIN_POINTS - 1) as f32;
+                self.fissure.margin(lid, t, pose).position(globe_radius)
+            }));
+        }
+    }
+
+    fn pose_meniscus(
+        &self,
+        pose: &LidPose,
+        globe_radius: &dyn Fn(Vec3) -> f32,
+        out: &mut PosedRegion,
+    ) {
+        let size = MENISCUS_STATIONS * MENISCUS_POINTS;
+        out.points.clear();
+        out.points.resize(2 * size, Vec3::ZERO);
+        let (lower, upper) = out.points.split_at_mut(size);
+        meniscus_strip(Lid::Lower, &self.fissure, pose, globe_radius, lower);
+        meniscus_strip(Lid::Upper, &self.fissure, pose, globe_radius, upper);
+        write_normals(
+            &out.points,
+            &self.meniscus_indices,
+            &mut out.scratch,
+            &mut out.meniscus_normals,
+        );
+        out.meniscus_positions.clear();
+        out.meniscus_positions
+            .extend(out.points.iter().map(|p| p.to_array()));
+    }
+}
+
+/// Unit tangents of the globe at each margin point, away from the fissure; at the canthi, where the
+/// margin turns round, straight to the side.
+fn away_tangents(columns: &[Column], margins: &[MarginPoint]) -> Vec<Vec3> {
+    let n = columns.len();
+    let flat = |v: Vec3, normal: Vec3| (v - normal * v.dot(normal)).normalize_or_zero();
+    let mut away: Vec<Vec3> = (0..n)
+        .map(|j| {
+            let normal = margins[j].direction;
+            let sideways = flat(
+                if columns[j].t < 0.5 {
+                    Vec3::NEG_X
+                } else {
+                    Vec3::X
+                },
+                normal,
+            );
+            let along = margins[(j + 1) % n].direction - margins[(j + n - 1) % n].direction;
+            let across = flat(normal.cross(along), normal);
+            let up = if columns[j].lid == Lid::Upper {
+                1.0
+            } else {
+                -1.0
+            };
+            let across = if across.y * up < 0.0 { -across } else { across };
+            let middle = columns[j].inside_weight(0.07);
+            flat(sideways * (1.0 - middle) + across * middle, normal)
+        })
+        .collect();
+    for _ in 0..3 {
+        let old = away.clone();
+        for j in 0..n {
+            let sum = old[(j + n - 1) % n] + old[j] * 2.0 + old[(j + 1) % n];
+            away[j] = flat(sum, margins[j].direction);
+        }
+    }
+    away
+}
+
+/// A row of the lid mesh as a polyline of [`MARGIN_POINTS`] equal steps of `t`, medial to lateral.
+fn resample(columns: &[Column], lid: Lid, point: impl Fn(usize) -> Vec3, out: &mut Vec<Vec3>) {
+    let mut chain: Vec<(f32, Vec3)> = columns
+        .iter()
+        .enumerate()
+        .filter(|(_, c)| c.lid == lid || c.t <= 0.0 || c.t >= 1.0)
+        .map(|(j, c)| (c.t, point(j)))
+        .collect();
+    chain.sort_by(|a, b| a.0.total_cmp(&b.0));
+    out.clear();
+    for i in 0..MARGIN_POINTS {
+        let t = i as f32 / (MARGIN_POINTS - 1) as f32;
+        let k = chain.partition_point(|c| c.0 < t).clamp(1, chain.len() - 1);
+        let (a, b) = (chain[k - 1], chain[k]);
+        out.push(a.1.lerp(b.1, ((t - a.0) / (b.0 - a.0).max(1e-6)).clamp(0.0, 1.0)));
+    }
+}
+
+/// Area-weighted vertex normals; a vertex without area looks along the patient's gaze.
+pub(crate) fn write_normals(
+    points: &[Vec3],
+    indices: &[u32],
+    scratch: &mut Vec<Vec3>,
+    out: &mut Vec<[f32; 3]>,
+) {
+    scratch.clear();
+    scratch.resize(points.len(), Vec3::ZERO);
+    for t in indices.chunks_exact(3) {
+        let [a, b, c] = [
+            points[t[0] as usize],
+            points[t[1] as usize],
+            points[t[2] as usize],
+        ];
+        let normal = (b - a).cross(c - a);
+        for &v in t {
+            scratch[v as usize] += normal;
+        }
+    }
+    out.clear();
+    out.extend(
+        scratch
+            .iter()
+            .map(|n| n.try_normalize().unwrap_or(Vec3::NEG_Z).to_array()),
+    );
+}
+
+fn meniscus_indices() -> Vec<u32> {
+    let mut out = Vec::new();
+    for strip in 0..2 {
+        let at =
+            |i: usize, k: usize| ((strip * MENISCUS_STATIONS + i) * MENISCUS_POINTS + k) as u32;
+        for i in 0..MENISCUS_STATIONS - 1 {
+            for k in 0..MENISCUS_POINTS - 1 {
+                let [a, b, c, d] = [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
+                // The strips mirror each other, and both must face outwards.
+                out.extend(if strip == 0 {
+                    [a, b, c, a, c, d]
+                } else {
+                    [a, c, b, a, d, c]
+                });
+            }
+        }
+    }
+    out
+}
+
+/// Brow density at a resting skin point: an arch over the orbital rim, thinning to the temple.
+fn brow_weight(p: Vec3) -> f32 {
+    let s = (p.x + 17.0) / 42.0;
+    if !(0.0..=1.0).contains(&s) || p.z > 8.0 {
+        return 0.0;
+    }
+    let line = 18.2 + 4.0 * (s * 1.25).min(1.0) - 7.0 * (s - 0.72).max(0.0);
+    let half = 4.0 * (1.0 - 0.7 * s);
+    smooth(0.0, 0.06, s)
+        * (1.0 - smooth(0.85, 1.0, s))
+        * (1.0 - smooth(0.55, 1.0, ((p.y - line) / half).abs()))
+}
+
+#[cfg(test)]
+mod tests;

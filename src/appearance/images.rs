@@ -1,0 +1,104 @@
+//! Tissue maps as textures: half floats with their mip chain.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use half::f16;
+
+/// One level of a map: width, height, texels row by row.
+pub type Level = (u32, u32, Vec<[f32; 4]>);
+
+/// Makes a filtered RGBA16F texture of these levels, the finest first; `wrap` repeats it in u.
+pub fn map_image(levels: &[Level], wrap: bool) -> Image {
+    let (width, height) = levels.first().map_or((1, 1), |level| (level.0, level.1));
+    let data: Vec<u8> = levels
+        .iter()
+        .flat_map(|(_, _, texels)| texels)
+        .flatten()
+        .flat_map(|&value| f16::from_f32(value).to_le_bytes())
+        .collect();
+    let mut image = Image::new_uninit(
+        Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        TextureFormat::Rgba16Float,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.data = Some(data);
+    image.texture_descriptor.mip_level_count = levels.len().max(1) as u32;
+    image.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+        address_mode_u: if wrap {
+            ImageAddressMode::Repeat
+        } else {
+            ImageAddressMode::ClampToEdge
+        },
+        address_mode_v: ImageAddressMode::ClampToEdge,
+        mag_filter: ImageFilterMode::Linear,
+        min_filter: ImageFilterMode::Linear,
+        mipmap_filter: ImageFilterMode::Linear,
+        ..ImageSamplerDescriptor::default()
+    });
+    image
+}
+
+/// Halves a level by averaging two by two; odd sides repeat their last texel.
+pub fn half_level((width, height, texels): &Level) -> Level {
+    let (w, h) = ((width / 2).max(1), (height / 2).max(1));
+    let at = |x: u32, y: u32| {
+        texels[(y.min(height - 1) * width + x.min(width - 1)) as usize]
+    };
+    let mut out = Vec::with_capacity((w * h) as usize);
+    for y in 0..h {
+        for x in 0..w {
+            let four = [
+                at(2 * x, 2 * y),
+                at(2 * x + 1, 2 * y),
+                at(2 * x, 2 * y + 1),
+                at(2 * x + 1, 2 * y + 1),
+            ];
+            out.push(std::array::from_fn(|c| {
+                0.25 * four.iter().map(|texel| texel[c]).sum::<f32>()
+            }));
+        }
+    }
+    (w, h, out)
+}
+
+/// A level and all its halves down to one texel.
+pub fn mip_chain(finest: Level) -> Vec<Level> {
+    let mut levels = vec![finest];
+    while let Some(last) = levels.last() {
+        if last.0 == 1 && last.1 == 1 {
+            break;
+        }
+        levels.push(half_level(last));
+    }
+    levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chain_keeps_the_mean_and_ends_in_one_texel() {
+        let texels = (0..32u8).map(|i| [f32::from(i), 1.0, 0.0, 0.5]).collect();
+        let chain = mip_chain((8, 4, texels));
+        let sizes: Vec<_> = chain.iter().map(|level| (level.0, level.1)).collect();
+        assert_eq!(sizes, [(8, 4), (4, 2), (2, 1), (1, 1)]);
+        // Exact: the mean of 0..31 by halves of powers of two.
+        assert_eq!(chain[3].2[0], [15.5, 1.0, 0.0, 0.5]);
+    }
+
+    #[test]
+    fn the_image_holds_every_level() {
+        let chain = mip_chain((8, 4, vec![[0.25; 4]; 32]));
+        let image = map_image(&chain, true);
+        assert_eq!(image.data.map(|data| data.len()), Some((32 + 8 + 2 + 1) * 8));
+        assert_eq!(image.texture_descriptor.mip_level_count, 4);
+    }
+}

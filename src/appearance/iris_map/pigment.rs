@@ -1,0 +1,95 @@
+//! Melanin of the anterior border layer: blotches, the ring round the collarette, freckles.
+//!
+//! In: the layout and the grown surface. Out: relative density per texel, 0–1.
+
+use super::super::noise::{HashStream, fbm, lerp, smoothstep, value_noise, wrap_half};
+use super::canvas::{self, Canvas, Grid};
+use super::layout::Layout;
+use super::{DESIGN_WIDTH_MM, IrisMapSettings, turns_per_mm};
+
+/// Paints all of it.
+pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canvas) -> Vec<f32> {
+    let grid = surface.grid;
+    let (seed, cover) = (settings.seed ^ 0x61, settings.border_layer_cover);
+    let blotches = canvas::slow_field(grid, |u, v| fbm(u * 9.0, v * 2.5, [9, 0], 4, seed));
+    let columns: Vec<Column> = (0..grid.width)
+        .map(|i| Column::new(settings, layout, grid.u(i)))
+        .collect();
+    let mut melanin = vec![0.0; grid.len()];
+    for (row, line) in melanin.chunks_mut(grid.width).enumerate() {
+        let v = grid.v(row);
+        for (column, value) in line.iter_mut().enumerate() {
+            let u = grid.u(column);
+            let index = row * grid.width + column;
+            let (tag, relief) = (surface.tag[index] - 0.5, surface.relief[index]);
+            let blotch = blotches[index];
+            let mottle = fbm(u * 90.0, v * 16.0, [90, 0], 3, seed ^ 1);
+            let cells = lerp(0.38, 0.55, cover) + 0.34 * blotch + 0.22 * mottle + 0.16 * tag;
+            // The border layer lies on the crests and is missing over openings.
+            let laid = lerp(lerp(0.5, 0.85, cover), 1.1, smoothstep(0.15, 0.75, relief));
+            let bare = 1.0 - lerp(0.6, 0.2, cover) * layout.crypt[index];
+            let ring = columns[column].ring(settings, v, tag + 0.3 * mottle);
+            *value = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
+        }
+    }
+    freckles(&mut melanin, settings, grid);
+    melanin
+        .iter_mut()
+        .for_each(|value| *value = value.clamp(0.0, 1.0));
+    melanin
+}
+
+/// Central heterochromia at one angle: dense at the collarette, running out along single fibres
+/// like flames.
+struct Column {
+    rim: f32,
+    flame: f32,
+}
+
+impl Column {
+    fn new(settings: &IrisMapSettings, layout: &Layout, u: f32) -> Self {
+        let seed = settings.seed ^ 0x62;
+        Self {
+            rim: layout.collarette(u),
+            flame: 0.05
+                + 0.09 * value_noise(u * 17.0, 17, seed)
+                + 0.05 * value_noise(u * 53.0, 53, seed ^ 1),
+        }
+    }
+
+    fn ring(&self, settings: &IrisMapSettings, v: f32, tag: f32) -> f32 {
+        let rim = self.rim;
+        let flame = self.flame + 0.16 * tag;
+        let out = smoothstep(rim + flame + 0.10, rim + flame - 0.06, v);
+        let inner = lerp(0.55, 1.0, smoothstep(rim - 0.22, rim - 0.02, v));
+        let across = (v - rim - 0.01) / 0.05;
+        let ring = (-across * across).exp();
+        settings.central_heterochromia * 0.75 * out * inner + 0.14 * ring
+    }
+}
+
+fn freckles(melanin: &mut [f32], settings: &IrisMapSettings, grid: Grid) {
+    let mut dice = HashStream::new(settings.seed, 20);
+    for _ in 0..settings.freckle_count {
+        let (u, v) = (dice.unit(), dice.range(0.12, 0.95));
+        let size = dice.unit();
+        let radius_mm = lerp(0.03, 0.26, size * size * size);
+        let (density, seed) = (dice.range(0.5, 1.0), dice.next_u32());
+        let stretch = dice.range(0.8, 1.5);
+        let reach = 1.8 * radius_mm * stretch / DESIGN_WIDTH_MM;
+        for row in grid.rows(v - reach, v + reach) {
+            let y = (grid.v(row) - v) * DESIGN_WIDTH_MM / (radius_mm * stretch);
+            let scale = turns_per_mm(grid.v(row));
+            let half = (1.8 * radius_mm * scale * grid.width as f32).ceil() as i64;
+            let centre = (u * grid.width as f32) as i64;
+            for column in centre - half..=centre + half {
+                let index = row * grid.width + grid.wrap_column(column);
+                let x =
+                    wrap_half((column as f32 + 0.5) / grid.width as f32 - u) / (scale * radius_mm);
+                let rough = 0.5 * fbm(x * 1.6 + 9.0, y * 1.1, [0, 0], 4, seed);
+                let spot = density * smoothstep(1.1, 0.55, x.hypot(y) + rough);
+                melanin[index] = melanin[index].max(spot).max(melanin[index] + 0.5 * spot);
+            }
+        }
+    }
+}

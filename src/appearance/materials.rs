@@ -1,0 +1,227 @@
+//! The eye's materials: what their shaders read, kept in step with `shaders/eye/*.wgsl`.
+//!
+//! Enters: the patient's components, the lids' margins, the studio's lights.
+//! Leaves: uniforms and textures of four Bevy materials ([`GlobeMaterial`],
+//! [`SkinMaterial`], [`HairMaterial`], [`MeniscusMaterial`]), which any Bevy
+//! app can put on the meshes of this folder.
+
+use crate::shaders;
+use bevy::asset::{Asset, Handle};
+use bevy::image::Image;
+use bevy::math::{Mat4, Vec4};
+use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
+use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
+use bevy::prelude::AlphaMode;
+use bevy::reflect::TypePath;
+use bevy::render::render_resource::{
+    AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
+};
+use bevy::shader::ShaderRef;
+
+/// The studio that lights the eye (struct `Studio` of `shaders/eye/common.wgsl`).
+#[derive(Clone, Copy, Debug, ShaderType)]
+pub struct Studio {
+    /// Direction towards the window, head frame; w: its angular half-width, rad.
+    pub key_direction: Vec4,
+    /// Its irradiance / π, linear sRGB; w: exposure.
+    pub key_color: Vec4,
+    /// Direction towards the lamp; w: its angular radius, rad.
+    pub fill_direction: Vec4,
+    /// Its irradiance / π.
+    pub fill_color: Vec4,
+    /// Radiance of the surroundings above.
+    pub ambient_up: Vec4,
+    /// Radiance of the surroundings below.
+    pub ambient_down: Vec4,
+}
+
+impl Default for Studio {
+    fn default() -> Self {
+        Self {
+            // The window stands up and to the viewer's left, the lamp low on the right.
+            key_direction: bevy::math::Vec3::new(0.50, 0.52, -0.78)
+                .normalize()
+                .extend(0.15),
+            key_color: Vec4::new(0.78, 0.80, 0.82, 1.0),
+            fill_direction: bevy::math::Vec3::new(-0.72, -0.05, -0.62)
+                .normalize()
+                .extend(0.10),
+            fill_color: Vec4::new(0.16, 0.14, 0.125, 0.0),
+            ambient_up: Vec4::new(0.24, 0.245, 0.26, 0.0),
+            ambient_down: Vec4::new(0.15, 0.135, 0.125, 0.0),
+        }
+    }
+}
+
+/// Samples of each lid margin's height (`LID_SAMPLES` of the shader).
+pub const LID_SAMPLES: usize = 32;
+/// Half of the width over which they are taken, mm (`LID_HALF_SPAN_MM`).
+pub const LID_HALF_SPAN_MM: f32 = 20.0;
+
+/// Heights of the lid margins over x, mm, head frame (struct `Lids`).
+#[derive(Clone, Copy, Debug, ShaderType)]
+pub struct LidHeights {
+    /// The upper margin.
+    pub upper: [Vec4; LID_SAMPLES / 4],
+    /// The lower margin.
+    pub lower: [Vec4; LID_SAMPLES / 4],
+}
+
+impl Default for LidHeights {
+    fn default() -> Self {
+        Self {
+            upper: [Vec4::splat(30.0); LID_SAMPLES / 4],
+            lower: [Vec4::splat(-30.0); LID_SAMPLES / 4],
+        }
+    }
+}
+
+/// Struct `Globe` of `shaders/eye/globe.wgsl`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct GlobeUniform {
+    /// The lights.
+    pub studio: Studio,
+    /// The lids' margins.
+    pub lids: LidHeights,
+    /// Rotation of the globe in the head.
+    pub head_from_eye: Mat4,
+    /// Anterior (R, p), posterior (R, p).
+    pub cornea: Vec4,
+    /// Thickness, index of the cornea, of the aqueous, distance from apex to centre.
+    pub cornea_inside: Vec4,
+    /// Depth of the iris, radius of its root, of the pupil, of the limbus.
+    pub iris: Vec4,
+    /// Pupil's centre x, y; scleral radius; lipid thickness in nm.
+    pub pupil: Vec4,
+    /// Lens scatter, canthal pinkness, side (+1 OD), strength of the relief.
+    pub options: Vec4,
+}
+
+/// Sclera, limbus, cornea, iris and pupil in one opaque material.
+#[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+pub struct GlobeMaterial {
+    /// The numbers.
+    #[uniform(0)]
+    pub globe: GlobeUniform,
+    /// Polar map of the iris: height, thickness, melanin.
+    #[texture(1)]
+    #[sampler(2)]
+    pub iris_map: Handle<Image>,
+    /// Map of the sclera: albedo and height.
+    #[texture(3)]
+    #[sampler(4)]
+    pub sclera_map: Handle<Image>,
+    /// Reflectance of the iris by stromal path and melanin.
+    #[texture(5)]
+    #[sampler(6)]
+    pub reflectance_map: Handle<Image>,
+}
+
+/// Struct `Skin` of `shaders/eye/skin.wgsl`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct SkinUniform {
+    /// The lights.
+    pub studio: Studio,
+    /// Albedo; w: roughness.
+    pub albedo: Vec4,
+    /// Colour of wet flesh; w: strength of the pores.
+    pub flesh: Vec4,
+}
+
+/// The skin of the eye region.
+#[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+pub struct SkinMaterial {
+    /// The numbers.
+    #[uniform(0)]
+    pub skin: SkinUniform,
+}
+
+/// Struct `Hair` of `shaders/eye/hair.wgsl`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct HairUniform {
+    /// The lights.
+    pub studio: Studio,
+    /// Colour at the root.
+    pub root: Vec4,
+    /// Colour at the tip.
+    pub tip: Vec4,
+}
+
+/// Lashes and brow.
+#[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+pub struct HairMaterial {
+    /// The numbers.
+    #[uniform(0)]
+    pub hair: HairUniform,
+}
+
+/// Struct `Meniscus` of `shaders/eye/meniscus.wgsl`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct MeniscusUniform {
+    /// The lights.
+    pub studio: Studio,
+    /// x: strength of the reflections.
+    pub options: Vec4,
+}
+
+/// The thread of tears along the lid margins.
+#[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+pub struct MeniscusMaterial {
+    /// The numbers.
+    #[uniform(0)]
+    pub meniscus: MeniscusUniform,
+}
+
+/// All four read the same vertices: position, normal, resting place (in the
+/// tangent), and four tissue weights (in the colour).
+fn vertex_layout(
+    descriptor: &mut RenderPipelineDescriptor,
+    layout: &MeshVertexBufferLayoutRef,
+) -> Result<(), SpecializedMeshPipelineError> {
+    let vertex_layout = layout.0.get_layout(&[
+        Mesh::ATTRIBUTE_POSITION.at_shader_location(0),
+        Mesh::ATTRIBUTE_NORMAL.at_shader_location(1),
+        Mesh::ATTRIBUTE_TANGENT.at_shader_location(2),
+        Mesh::ATTRIBUTE_COLOR.at_shader_location(3),
+    ])?;
+    descriptor.vertex.buffers = vec![vertex_layout];
+    Ok(())
+}
+
+macro_rules! eye_material {
+    ($material:ty, $shader:expr, $alpha:expr, $two_sided:expr) => {
+        impl Material for $material {
+            fn vertex_shader() -> ShaderRef {
+                $shader.into()
+            }
+            fn fragment_shader() -> ShaderRef {
+                $shader.into()
+            }
+            fn alpha_mode(&self) -> AlphaMode {
+                $alpha
+            }
+            fn enable_prepass() -> bool {
+                false
+            }
+            fn enable_shadows() -> bool {
+                false
+            }
+            fn specialize(
+                _pipeline: &MaterialPipeline,
+                descriptor: &mut RenderPipelineDescriptor,
+                layout: &MeshVertexBufferLayoutRef,
+                _key: MaterialPipelineKey<Self>,
+            ) -> Result<(), SpecializedMeshPipelineError> {
+                if $two_sided {
+                    descriptor.primitive.cull_mode = None;
+                }
+                vertex_layout(descriptor, layout)
+            }
+        }
+    };
+}
+
+eye_material!(GlobeMaterial, shaders::GLOBE, AlphaMode::Opaque, false);
+eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, true);
+eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, true);
+eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, true);

@@ -1,0 +1,279 @@
+//! `ocularium bench`: speed and error, measured on this machine.
+//!
+//! Leaves, in a folder: `frames.csv` (milliseconds a frame by case), `field.csv`
+//! (the sharpness field in rooms of different volume), `summary.json`, and
+//! `frames.svg`. Every number is measured in this run.
+
+use super::files::{WriteError, prepare_folder, write_whole};
+use super::headless::{Headless, HeadlessError};
+use super::render::median;
+use crate::anatomy::{PatientError, load_patient};
+use crate::app::Session;
+use crate::percept::Percept;
+use crate::percept::gpu_data::table_slots;
+use crate::scene::catalog::LoadedScene;
+use crate::scene::model::SceneError;
+use crate::scene::room::{room, room_scaled};
+use bevy::math::UVec2;
+use plotters::prelude::*;
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A frame could not be made.
+    #[error(transparent)]
+    Frame(#[from] HeadlessError),
+    /// A built-in patient is unsound.
+    #[error(transparent)]
+    Patient(#[from] PatientError),
+    /// A built-in scene is unsound.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A plot could not be drawn.
+    #[error("the plot {0} could not be drawn: {1}")]
+    Plot(&'static str, String),
+}
+
+/// Milliseconds of the frames of one case.
+#[derive(Clone, Debug, Serialize)]
+struct FrameCase {
+    name: &'static str,
+    width_px: u32,
+    height_px: u32,
+    frames: usize,
+    ready_after_s: f64,
+    ms_median: f64,
+    ms_p95: f64,
+    frames_per_s: f64,
+}
+
+/// The field in one room.
+#[derive(Clone, Debug, Serialize)]
+struct FieldCase {
+    room: &'static str,
+    volume_factor: f32,
+    voxels: u32,
+    table_bytes: u64,
+    bytes_per_voxel: f64,
+    ms_median: f64,
+}
+
+#[derive(Serialize)]
+struct Summary {
+    version: &'static str,
+    device: String,
+    processors: usize,
+    quick: bool,
+    frames: Vec<FrameCase>,
+    field: Vec<FieldCase>,
+    field_time_ratio_8x_volume: f64,
+}
+
+fn session(patient: &str, factor: f32) -> Result<Session, BenchError> {
+    let model = if factor == 1.0 {
+        room()?
+    } else {
+        room_scaled(factor)?
+    };
+    let scene = LoadedScene::Model(Box::new(model));
+    Ok(Session::new(load_patient(patient)?, scene, 7))
+}
+
+/// Times `count` frames of a sixtieth of a second, sorted, in ms.
+fn time_frames(headless: &mut Headless, from_s: f64, count: usize) -> Vec<f64> {
+    let mut times: Vec<f64> = (1..=count)
+        .map(|frame| {
+            let at = Instant::now();
+            headless.go_to(from_s + frame as f64 / 60.0);
+            headless.finish_frame();
+            at.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+fn frame_case(
+    name: &'static str,
+    patient: &str,
+    size: UVec2,
+    shown: [bool; 2],
+    count: usize,
+) -> Result<(FrameCase, String), BenchError> {
+    let started = Instant::now();
+    let mut headless = Headless::new(session(patient, 1.0)?, [size; 2], shown)?;
+    let ready_after_s = started.elapsed().as_secs_f64();
+    // The first frames fill caches.
+    time_frames(&mut headless, 0.0, 5);
+    let times = time_frames(&mut headless, 1.0, count);
+    let ms_median = median(&mut times.clone());
+    let panels = shown.iter().filter(|&&shown| shown).count() as u32;
+    let case = FrameCase {
+        name,
+        width_px: size.x * panels,
+        height_px: size.y,
+        frames: count,
+        ready_after_s,
+        ms_median,
+        ms_p95: times[(count - 1) * 95 / 100],
+        frames_per_s: 1e3 * count as f64 / times.iter().sum::<f64>(),
+    };
+    Ok((case, headless.adapter()))
+}
+
+/// The same view in rooms of different volume, frame by frame in turn, so that whatever else the
+/// machine does falls on all alike.
+fn field_cases(count: usize) -> Result<Vec<FieldCase>, BenchError> {
+    let size = UVec2::splat(320);
+    let rooms = [("room", 1.0f32), ("room, 8 × the volume", 8.0)];
+    let mut running = Vec::new();
+    for (_, factor) in rooms {
+        let mut headless =
+            Headless::new(session("healthy-brown", factor)?, [size; 2], [false, true])?;
+        time_frames(&mut headless, 0.0, 5);
+        running.push((headless, Vec::new()));
+    }
+    for frame in 0..count {
+        for (headless, times) in &mut running {
+            times.extend(time_frames(headless, 1.0 + frame as f64 / 60.0, 1));
+        }
+    }
+    Ok(rooms
+        .into_iter()
+        .zip(running)
+        .map(|((room, volume_factor), (mut headless, mut times))| {
+            let voxels = headless.world().resource::<Percept>().captured().occupied;
+            let table_bytes = u64::from(table_slots(0, size.x * size.y)) * 12;
+            FieldCase {
+                room,
+                volume_factor,
+                voxels,
+                table_bytes,
+                bytes_per_voxel: table_bytes as f64 / f64::from(voxels.max(1)),
+                ms_median: median(&mut times),
+            }
+        })
+        .collect())
+}
+
+/// Measures, writes the files, and prints what a person wants to know.
+pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
+    prepare_folder(out)?;
+    let count = if quick { 40 } else { 200 };
+    let square = UVec2::splat(320);
+    let mut cases = vec![
+        ("both panels", "healthy-brown", square, [true, true]),
+        ("eye alone", "healthy-brown", square, [true, false]),
+        ("view alone", "healthy-brown", square, [false, true]),
+        ("both, glaucoma", "glaucoma-moderate", square, [true, true]),
+        ("none shown", "healthy-brown", square, [false, false]),
+    ];
+    if !quick {
+        cases.push(("both panels, 640", "healthy-brown", UVec2::splat(640), [true, true]));
+    }
+    let mut frames = Vec::new();
+    let mut device = String::new();
+    for (name, patient, size, shown) in cases {
+        let (case, adapter) = frame_case(name, patient, size, shown, count)?;
+        eprintln!(
+            "{:<18} {:>4}x{:<4} {:7.1} ms a frame (95 %: {:.1}), {:.1} frames/s, ready after {:.1} s",
+            case.name, case.width_px, case.height_px, case.ms_median, case.ms_p95,
+            case.frames_per_s, case.ready_after_s,
+        );
+        device = adapter;
+        frames.push(case);
+    }
+    let field = field_cases(count)?;
+    for case in &field {
+        eprintln!(
+            "{:<22} {:7.2} ms a frame, {} voxels, {:.1} MB of table",
+            case.room, case.ms_median, case.voxels, case.table_bytes as f64 / 1e6,
+        );
+    }
+    let summary = Summary {
+        version: env!("CARGO_PKG_VERSION"),
+        device,
+        processors: std::thread::available_parallelism().map_or(1, usize::from),
+        quick,
+        field_time_ratio_8x_volume: field[1].ms_median / field[0].ms_median,
+        frames,
+        field,
+    };
+    write_files(out, &summary)?;
+    eprintln!("frames.csv, field.csv, summary.json and frames.svg in {}", out.display());
+    Ok(())
+}
+
+fn write_files(out: &Path, summary: &Summary) -> Result<(), BenchError> {
+    let mut text = String::from("case,width_px,height_px,frames,ready_after_s,ms_median,ms_p95,frames_per_s\n");
+    for c in &summary.frames {
+        text += &format!(
+            "{:?},{},{},{},{:.3},{:.3},{:.3},{:.3}\n",
+            c.name, c.width_px, c.height_px, c.frames, c.ready_after_s, c.ms_median, c.ms_p95,
+            c.frames_per_s
+        );
+    }
+    write_whole(&out.join("frames.csv"), text.as_bytes())?;
+    let mut text = String::from("room,volume_factor,voxels,table_bytes,bytes_per_voxel,ms_median\n");
+    for c in &summary.field {
+        text += &format!(
+            "{:?},{},{},{},{:.2},{:.3}\n",
+            c.room, c.volume_factor, c.voxels, c.table_bytes, c.bytes_per_voxel, c.ms_median
+        );
+    }
+    write_whole(&out.join("field.csv"), text.as_bytes())?;
+    let json = serde_json::to_vec_pretty(summary).map_err(|error| WriteError {
+        path: "summary.json".into(),
+        reason: error.to_string(),
+    })?;
+    write_whole(&out.join("summary.json"), &json)?;
+    let svg = frames_plot(&summary.frames)
+        .map_err(|error| BenchError::Plot("frames.svg", error.to_string()))?;
+    Ok(write_whole(&out.join("frames.svg"), svg.as_bytes())?)
+}
+
+/// Bars of the median frame time, with the 100 ms of ten frames a second marked.
+fn frames_plot(cases: &[FrameCase]) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, (760, 60 + 44 * cases.len() as u32)).into_drawing_area();
+        area.fill(&WHITE)?;
+        let longest = cases.iter().map(|case| case.ms_p95).fold(110.0, f64::max);
+        let mut chart = ChartBuilder::on(&area)
+            .margin(10)
+            .x_label_area_size(34)
+            .y_label_area_size(8)
+            .build_cartesian_2d(0.0..longest * 1.05, 0.0..cases.len() as f64)?;
+        chart
+            .configure_mesh()
+            .disable_y_mesh()
+            .disable_y_axis()
+            .x_desc("milliseconds a frame: median, and 95th percentile as a line")
+            .draw()?;
+        for (row, case) in cases.iter().enumerate() {
+            let y = (cases.len() - 1 - row) as f64;
+            chart.draw_series([Rectangle::new(
+                [(0.0, y + 0.2), (case.ms_median, y + 0.8)],
+                RGBColor(70, 120, 170).filled(),
+            )])?;
+            chart.draw_series([PathElement::new(
+                [(case.ms_p95, y + 0.2), (case.ms_p95, y + 0.8)],
+                RGBColor(170, 70, 60),
+            )])?;
+            let label = format!("{} {}×{}: {:.1} ms", case.name, case.width_px, case.height_px, case.ms_median);
+            chart.draw_series([Text::new(label, (longest * 0.01, y + 0.62), ("sans-serif", 15).into_font())])?;
+        }
+        chart.draw_series([PathElement::new(
+            [(100.0, 0.0), (100.0, cases.len() as f64)],
+            RGBColor(90, 90, 90).mix(0.6),
+        )])?;
+        area.present()?;
+    }
+    Ok(svg)
+}

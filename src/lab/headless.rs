@@ -1,0 +1,240 @@
+//! The app without a window: the same plugins, a clock that is set, panels that are read back.
+
+use crate::app::{
+    Drive, FramePlugin, Panels, Session, SessionCommand, SimulationClock, add_ocularium,
+};
+use crate::ledger::{Work, WorkLedger};
+use crate::motion::Motion;
+use crate::motion::engine::OculomotorState;
+use crate::readiness::Readiness;
+use bevy::app::TerminalCtrlCHandlerPlugin;
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_resource::{
+    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, PollType,
+    TexelCopyBufferInfo, TexelCopyBufferLayout,
+};
+use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
+use bevy::render::texture::GpuImage;
+use bevy::render::{RenderApp, RenderPlugin};
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use image::RgbaImage;
+use std::time::{Duration, Instant};
+
+/// How long pipelines and textures may take before a frame is given up.
+const PATIENCE: Duration = Duration::from_secs(240);
+
+/// Why a frame could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum HeadlessError {
+    /// There is nothing to draw with.
+    #[error(
+        "no graphics device was found ({0}); a machine without a GPU needs software Vulkan: \
+         apt-get install mesa-vulkan-drivers"
+    )]
+    NoDevice(String),
+    /// A shader or pipeline was refused.
+    #[error("a pipeline could not be built: {0}")]
+    Pipeline(String),
+    /// It took too long.
+    #[error("the first frame was not ready after {0} s")]
+    Timeout(u64),
+    /// The picture could not be read back.
+    #[error("the picture could not be read back: {0}")]
+    ReadBack(String),
+}
+
+/// Which panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// The patient's eye.
+    Eye,
+    /// What the patient sees.
+    View,
+}
+
+/// The app, stepped by hand.
+pub struct Headless {
+    app: App,
+}
+
+/// Is there anything to draw with? Bevy would stop the program where this gives a sentence.
+pub fn require_device() -> Result<(), HeadlessError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let options = wgpu::RequestAdapterOptions::default();
+    bevy::tasks::block_on(instance.request_adapter(&options))
+        .map(|_| ())
+        .map_err(|error| HeadlessError::NoDevice(error.to_string()))
+}
+
+impl Headless {
+    /// Builds the app and draws until its first frame is complete, at time 0.
+    pub fn new(session: Session, sizes: [UVec2; 2], shown: [bool; 2]) -> Result<Self, HeadlessError> {
+        require_device()?;
+        let mut app = App::new();
+        app.add_plugins(
+            DefaultPlugins
+                .build()
+                .disable::<WinitPlugin>()
+                .disable::<PipelinedRenderingPlugin>()
+                .disable::<TerminalCtrlCHandlerPlugin>()
+                // The program's own messages are sentences; the log is for defects.
+                .disable::<LogPlugin>()
+                .set(WindowPlugin {
+                    primary_window: None,
+                    exit_condition: ExitCondition::DontExit,
+                    ..default()
+                })
+                .set(RenderPlugin {
+                    synchronous_pipeline_compilation: true,
+                    ..default()
+                }),
+        );
+        add_ocularium(&mut app, FramePlugin { session, sizes, shown });
+        app.insert_resource(SimulationClock {
+            drive: Drive::Manual(0.0),
+            ..default()
+        });
+        app.finish();
+        app.cleanup();
+        let mut headless = Self { app };
+        headless.warm_up()?;
+        Ok(headless)
+    }
+
+    /// Draws until everything is built and the view's candidates have arrived.
+    pub fn warm_up(&mut self) -> Result<(), HeadlessError> {
+        let started = Instant::now();
+        loop {
+            self.app.update();
+            let world = self.app.world();
+            let readiness = world.resource::<Readiness>();
+            if let Some(error) = readiness.errors().first() {
+                return Err(HeadlessError::Pipeline(error.clone()));
+            }
+            if world.resource::<SimulationClock>().ready && readiness.quiet_frames() >= 4 {
+                // One more, so that what became ready in this frame is drawn.
+                self.app.update();
+                return Ok(());
+            }
+            if started.elapsed() > PATIENCE {
+                return Err(HeadlessError::Timeout(PATIENCE.as_secs()));
+            }
+            self.poll();
+        }
+    }
+
+    fn poll(&self) {
+        let device = self.app.world().resource::<RenderDevice>();
+        // A lost device shows as a failed read-back, which is reported.
+        let _ = device.wgpu_device().poll(PollType::wait_indefinitely());
+    }
+
+    /// Moves the clock to this time and draws one frame.
+    pub fn go_to(&mut self, time_s: f64) {
+        self.app.world_mut().resource_mut::<SimulationClock>().drive = Drive::Manual(time_s);
+        self.app.update();
+    }
+
+    /// Draws one frame without moving the clock.
+    pub fn stand_still(&mut self) {
+        self.app.update();
+    }
+
+    /// Waits for the GPU to finish, so that a time measured around a frame is the frame's.
+    pub fn finish_frame(&self) {
+        self.poll();
+    }
+
+    /// Sends a command to the session.
+    pub fn command(&mut self, command: SessionCommand) {
+        self.app.world_mut().write_message(command);
+    }
+
+    /// The app itself.
+    pub fn world(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
+    /// The render world.
+    pub fn render_world(&mut self) -> &mut World {
+        self.app.sub_app_mut(RenderApp).world_mut()
+    }
+
+    /// The eye's state in the frame that was drawn last.
+    pub fn state(&self) -> OculomotorState {
+        self.app.world().resource::<Motion>().state
+    }
+
+    /// The work done so far.
+    pub fn work(&self) -> Work {
+        self.app.world().resource::<WorkLedger>().read()
+    }
+
+    /// What draws.
+    pub fn adapter(&self) -> String {
+        self.app.world().resource::<RenderAdapterInfo>().name.clone()
+    }
+
+    /// The picture of a panel as it is now, sRGB-encoded.
+    pub fn panel(&self, which: Which) -> Result<RgbaImage, HeadlessError> {
+        let panels = self.app.world().resource::<Panels>();
+        let panel = match which {
+            Which::Eye => &panels.eye,
+            Which::View => &panels.view,
+        };
+        let missing = || HeadlessError::ReadBack("the panel has no picture yet".into());
+        let render_world = self.app.sub_app(RenderApp).world();
+        let image = render_world
+            .resource::<RenderAssets<GpuImage>>()
+            .get(&panel.image)
+            .ok_or_else(missing)?;
+        let size = image.texture_descriptor.size;
+        let device = render_world.resource::<RenderDevice>();
+        let queue = render_world.resource::<RenderQueue>();
+        let row = size.width as usize * 4;
+        let padded = RenderDevice::align_copy_bytes_per_row(row);
+        let buffer = device.create_buffer(&BufferDescriptor {
+            label: Some("panel"),
+            size: padded as u64 * u64::from(size.height),
+            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            image.texture.as_image_copy(),
+            TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded as u32),
+                    rows_per_image: None,
+                },
+            },
+            size,
+        );
+        queue.submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.slice(..).map_async(MapMode::Read, move |result| {
+            // The receiver waits below; if it is gone, so is the program.
+            let _ = sender.send(result);
+        });
+        self.poll();
+        receiver
+            .recv()
+            .map_err(|error| HeadlessError::ReadBack(error.to_string()))?
+            .map_err(|error| HeadlessError::ReadBack(error.to_string()))?;
+        let mapped = buffer.slice(..).get_mapped_range();
+        let pixels: Vec<u8> = mapped
+            .chunks_exact(padded)
+            .flat_map(|line| &line[..row])
+            .copied()
+            .collect();
+        drop(mapped);
+        RgbaImage::from_raw(size.width, size.height, pixels)
+            .ok_or_else(|| HeadlessError::ReadBack("its size is not that of the panel".into()))
+    }
+}

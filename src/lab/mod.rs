@@ -1,0 +1,9 @@
+//! The laboratory: frames without a window, measurements, and reports.
+//!
+//! Enters: a session. Leaves: images, traces and numbers, on the desktop only.
+
+pub mod bench;
+pub mod files;
+pub mod headless;
+pub mod image_difference;
+pub mod render;

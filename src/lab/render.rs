@@ -1,0 +1,253 @@
+//! `ocularium render`: frames, a trace, and a report of what was done.
+
+use super::files::{WriteError, prepare_folder, write_whole};
+use super::headless::{Headless, HeadlessError, Which};
+use crate::app::Session;
+use crate::appearance::EyeOrbit;
+use crate::ledger::Work;
+use crate::motion::trace::{TraceRow, write_trace};
+use crate::percept::ViewOptions;
+use bevy::math::UVec2;
+use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder, imageops};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Which panels are in the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PanelChoice {
+    /// The patient's eye.
+    Eye,
+    /// What the patient sees.
+    View,
+    /// Both, the eye on the left.
+    Both,
+}
+
+/// What to render.
+#[derive(Clone, Debug)]
+pub struct RenderRequest {
+    /// Which panels.
+    pub panels: PanelChoice,
+    /// Width and height of the picture, pixels.
+    pub size: UVec2,
+    /// Length, s.
+    pub seconds: f64,
+    /// Frames a second.
+    pub fps: f64,
+    /// Where the camera before the eye stands.
+    pub orbit: EyeOrbit,
+    /// Marker and threshold of the view.
+    pub options: ViewOptions,
+    /// The folder that gets the files.
+    pub out: PathBuf,
+}
+
+/// Why nothing, or not everything, was rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A frame could not be made.
+    #[error(transparent)]
+    Frame(#[from] HeadlessError),
+    /// A picture could not be encoded.
+    #[error("frame {0} could not be encoded: {1}")]
+    Encode(u64, String),
+}
+
+/// `report.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct RenderReport {
+    /// The program's version.
+    pub version: &'static str,
+    /// The patient's name.
+    pub patient: String,
+    /// The scene's name.
+    pub scene: String,
+    /// Panels in the picture.
+    pub panel: PanelChoice,
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// Frames a second of simulated time.
+    pub fps: f64,
+    /// Frames written.
+    pub frames: u64,
+    /// Stopped by the user before the end?
+    pub interrupted: bool,
+    /// Fixations made.
+    pub fixations: u64,
+    /// Blinks that closed the lids.
+    pub blinks: u64,
+    /// Corners among which the eye chose.
+    pub candidates: usize,
+    /// What drew.
+    pub device: String,
+    /// Seconds until the first frame was complete.
+    pub ready_after_s: f64,
+    /// Milliseconds a frame, without reading back and encoding: mean.
+    pub frame_ms_mean: f64,
+    /// The same, median.
+    pub frame_ms_median: f64,
+    /// The same, largest.
+    pub frame_ms_max: f64,
+    /// Work done from the first frame to the last.
+    pub work: Work,
+}
+
+/// Number of frames: at least one, at times 0, 1/fps, 2/fps, ….
+pub fn frame_count(seconds: f64, fps: f64) -> u64 {
+    ((seconds * fps).round() as u64).max(1)
+}
+
+/// Sizes of eye and view in a picture, and which of them are drawn.
+pub fn layout(panels: PanelChoice, size: UVec2) -> ([UVec2; 2], [bool; 2]) {
+    match panels {
+        PanelChoice::Eye => ([size, UVec2::splat(16)], [true, false]),
+        PanelChoice::View => ([UVec2::splat(16), size], [false, true]),
+        PanelChoice::Both => {
+            let eye = UVec2::new(size.x / 2, size.y);
+            let view = UVec2::new(size.x - eye.x, size.y);
+            ([eye, view], [true, true])
+        }
+    }
+}
+
+/// The picture of this moment.
+pub fn picture(headless: &Headless, request: &RenderRequest) -> Result<RgbaImage, HeadlessError> {
+    match request.panels {
+        PanelChoice::Eye => headless.panel(Which::Eye),
+        PanelChoice::View => headless.panel(Which::View),
+        PanelChoice::Both => {
+            let (eye, view) = (headless.panel(Which::Eye)?, headless.panel(Which::View)?);
+            let mut both = RgbaImage::new(request.size.x, request.size.y);
+            imageops::replace(&mut both, &eye, 0, 0);
+            imageops::replace(&mut both, &view, i64::from(eye.width()), 0);
+            Ok(both)
+        }
+    }
+}
+
+/// PNG bytes of an opaque picture.
+pub fn encode_png(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> {
+    let rgb = image::DynamicImage::ImageRgba8(picture.clone()).to_rgb8();
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(
+        &rgb,
+        rgb.width(),
+        rgb.height(),
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
+}
+
+/// Renders; `stop` ends it after the frame in work, keeping what is done.
+pub fn render(
+    session: Session,
+    request: &RenderRequest,
+    stop: &AtomicBool,
+    mut progress: impl FnMut(u64, u64),
+) -> Result<RenderReport, RenderError> {
+    prepare_folder(&request.out)?;
+    let started = Instant::now();
+    let (sizes, shown) = layout(request.panels, request.size);
+    let (patient, seed) = (session.patient.name.clone(), session.seed);
+    let scene = session.scene.name().to_owned();
+    let mut headless = Headless::new(session, sizes, shown)?;
+    headless.world().insert_resource(request.orbit);
+    headless.world().insert_resource(request.options);
+    headless.stand_still();
+    let ready_after_s = started.elapsed().as_secs_f64();
+
+    let total = frame_count(request.seconds, request.fps);
+    let before = headless.work();
+    let (mut rows, mut times_ms) = (Vec::new(), Vec::new());
+    for frame in 0..total {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let at = Instant::now();
+        headless.go_to(frame as f64 / request.fps);
+        headless.finish_frame();
+        times_ms.push(at.elapsed().as_secs_f64() * 1e3);
+        rows.push(TraceRow::from(&headless.state()));
+        let png = encode_png(&picture(&headless, request)?)
+            .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
+        write_whole(&frame_path(&request.out, frame), &png)?;
+        progress(frame + 1, total);
+    }
+    let mut trace = Vec::new();
+    write_trace(&rows, &mut trace).map_err(|error| WriteError {
+        path: "trace.csv".into(),
+        reason: error.to_string(),
+    })?;
+    write_whole(&request.out.join("trace.csv"), &trace)?;
+
+    let state = headless.state();
+    let candidates = headless
+        .world()
+        .resource::<crate::percept::Percept>()
+        .captured()
+        .corners
+        .len();
+    let frames = rows.len() as u64;
+    let report = RenderReport {
+        version: env!("CARGO_PKG_VERSION"),
+        patient,
+        scene,
+        panel: request.panels,
+        size_px: request.size.to_array(),
+        seed,
+        fps: request.fps,
+        frames,
+        interrupted: frames < total,
+        fixations: state.fixation_index,
+        blinks: state.blink_epoch,
+        candidates,
+        device: headless.adapter(),
+        ready_after_s,
+        frame_ms_mean: times_ms.iter().sum::<f64>() / (times_ms.len().max(1) as f64),
+        frame_ms_median: median(&mut times_ms.clone()),
+        frame_ms_max: times_ms.iter().copied().fold(0.0, f64::max),
+        work: headless.work().since(before),
+    };
+    let json = serde_json::to_vec_pretty(&report).map_err(|error| WriteError {
+        path: "report.json".into(),
+        reason: error.to_string(),
+    })?;
+    write_whole(&request.out.join("report.json"), &json)?;
+    Ok(report)
+}
+
+fn frame_path(out: &Path, frame: u64) -> PathBuf {
+    out.join(format!("frame_{frame:05}.png"))
+}
+
+/// Middle value; 0 of none.
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_counted_from_zero_and_never_none() {
+        assert_eq!(frame_count(3.0, 10.0), 30);
+        assert_eq!(frame_count(0.001, 1.0), 1);
+        assert_eq!(frame_count(0.1, 30.0), 3);
+    }
+
+    #[test]
+    fn both_panels_fill_an_odd_width() {
+        let ([eye, view], shown) = layout(PanelChoice::Both, UVec2::new(641, 320));
+        assert_eq!((eye.x + view.x, shown), (641, [true, true]));
+    }
+}

@@ -1,0 +1,168 @@
+//! Fresnel reflectance of smooth interfaces for unpolarised light, exact, and of the tear film's
+//! lipid layer by Airy's sum over the reflections within a film (Born & Wolf, *Principles of
+//! Optics*, sections 1.5.2 and 7.6.1).
+//!
+//! In: the cosine of the angle of incidence, indices, film thickness and wavelength in nm. Out: the
+//! fraction of light reflected, 0 to 1.
+//!
+//! Twin: `shaders/lib/fresnel.wgsl`.
+
+use core::f64::consts::TAU;
+use glam::DVec3;
+
+/// Index of the tear film's lipid layer (from memory in REFERENCE: 1.48).
+pub const LIPID_INDEX: f64 = 1.48;
+/// Index of the aqueous tear under the lipid layer.
+pub const TEAR_INDEX: f64 = 1.337;
+
+/// Reflectance of an interface from index `n1` (the ray's side) to `n2` for unpolarised light.
+/// `cos_incidence` runs from 0 (grazing) to 1 (perpendicular) and is clamped to it. Total
+/// reflection gives 1.
+pub fn fresnel_dielectric(cos_incidence: f64, n1: f64, n2: f64) -> f64 {
+    let cos_1 = cos_incidence.clamp(0.0, 1.0);
+    let eta = n1 / n2;
+    let cos_2_squared = 1.0 - eta * eta * (1.0 - cos_1) * (1.0 + cos_1);
+    if cos_2_squared <= 0.0 {
+        return 1.0;
+    }
+    let cos_2 = cos_2_squared.sqrt();
+    let s = (n1 * cos_1 - n2 * cos_2) / (n1 * cos_1 + n2 * cos_2);
+    let t = (n2 * cos_1 - n1 * cos_2) / (n2 * cos_1 + n1 * cos_2);
+    0.5 * (s * s + t * t)
+}
+
+/// Reflectance at one wavelength of a film (the lipid layer, [`LIPID_INDEX`], 20 to 120 nm thick)
+/// between air and a substrate (the aqueous tear, [`TEAR_INDEX`]). Indices at least 1, thickness
+/// from 0, wavelength above 0, both in nm.
+pub fn fresnel_thin_film(
+    cos_incidence: f64,
+    film_index: f64,
+    substrate_index: f64,
+    film_thickness_nm: f64,
+    wavelength_nm: f64,
+) -> f64 {
+    let cos_1 = cos_incidence.clamp(0.0, 1.0);
+    let sin_squared = (1.0 - cos_1) * (1.0 + cos_1);
+    let cos_2 = (1.0 - sin_squared / (film_index * film_index))
+        .max(0.0)
+        .sqrt();
+    let cos_3 = (1.0 - sin_squared / (substrate_index * substrate_index))
+        .max(0.0)
+        .sqrt();
+    let phase = 2.0 * TAU * film_index * film_thickness_nm * cos_2 / wavelength_nm;
+    let cos_phase = phase.cos();
+
+    let s_12 = (cos_1 - film_index * cos_2) / (cos_1 + film_index * cos_2);
+    let s_23 = (film_index * cos_2 - substrate_index * cos_3)
+        / (film_index * cos_2 + substrate_index * cos_3);
+    let p_12 = (film_index * cos_1 - cos_2) / (film_index * cos_1 + cos_2);
+    let p_23 = (substrate_index * cos_2 - film_index * cos_3)
+        / (substrate_index * cos_2 + film_index * cos_3);
+    0.5 * (fresnel_airy(s_12, s_23, cos_phase) + fresnel_airy(p_12, p_23, cos_phase))
+}
+
+/// `|(r₁₂ + r₂₃ e^{iφ}) / (1 + r₁₂ r₂₃ e^{iφ})|²`.
+fn fresnel_airy(r_12: f64, r_23: f64, cos_phase: f64) -> f64 {
+    let product = r_12 * r_23;
+    let interference = 2.0 * product * cos_phase;
+    // Grazing light has r₁₂ = −1, where numerator and denominator are equal term by term; they
+    // vanish together only if r₂₃ = ±1 too.
+    let denominator = 1.0 + product * product + interference;
+    if denominator <= 0.0 {
+        return 1.0;
+    }
+    ((r_12 * r_12 + r_23 * r_23 + interference) / denominator).clamp(0.0, 1.0)
+}
+
+/// The film's reflectance for red, green and blue: at the dominant wavelengths of the sRGB
+/// primaries, 611.4, 549.1 and 464.2 nm.
+pub fn fresnel_thin_film_rgb(
+    cos_incidence: f64,
+    film_index: f64,
+    substrate_index: f64,
+    film_thickness_nm: f64,
+) -> DVec3 {
+    let at = |wavelength_nm| {
+        fresnel_thin_film(
+            cos_incidence,
+            film_index,
+            substrate_index,
+            film_thickness_nm,
+            wavelength_nm,
+        )
+    };
+    DVec3::new(at(611.4), at(549.1), at(464.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn perpendicular_reflectance_of_the_cornea() {
+        // ((1.376 − 1)/(1.376 + 1))² = 2.504 %.
+        let expected = (0.376_f64 / 2.376).powi(2);
+        assert!((fresnel_dielectric(1.0, 1.0, 1.376) - expected).abs() < 1e-16);
+        assert!((fresnel_dielectric(1.0, 1.376, 1.0) - expected).abs() < 1e-16);
+    }
+
+    #[test]
+    fn grazing_and_total_reflection_are_complete() {
+        assert_eq!(fresnel_dielectric(0.0, 1.0, 1.336), 1.0);
+        assert_eq!(fresnel_dielectric(0.5, 1.336, 1.0), 1.0);
+        assert_eq!(fresnel_dielectric(-1.0, 1.0, 1.336), 1.0);
+    }
+
+    #[test]
+    fn brewsters_angle_reflects_only_the_s_wave() {
+        // tan θ_B = n; there R_p = 0 and R_s = ((n² − 1)/(n² + 1))².
+        let n = 1.336_f64;
+        let expected = 0.5 * ((n * n - 1.0) / (n * n + 1.0)).powi(2);
+        assert!((fresnel_dielectric(n.atan().cos(), 1.0, n) - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn film_reproduces_the_tabulated_reflectances() {
+        // REFERENCE, "Tear film": % at 450, 550, 650 nm, lipid 1.48 over 1.337, two decimals.
+        let table = [
+            (0.0, [2.08, 2.08, 2.08]),
+            (42.0, [4.31, 3.72, 3.32]),
+            (80.0, [5.83, 5.68, 5.23]),
+            (120.0, [3.54, 5.14, 5.78]),
+            (157.0, [2.12, 2.93, 4.41]),
+        ];
+        for (thickness, percents) in table {
+            for (wavelength, percent) in [450.0, 550.0, 650.0].into_iter().zip(percents) {
+                let got =
+                    100.0 * fresnel_thin_film(1.0, LIPID_INDEX, TEAR_INDEX, thickness, wavelength);
+                assert!(
+                    (got - percent).abs() < 0.00501,
+                    "{thickness} nm at {wavelength}: {got}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn film_without_thickness_is_the_bare_interface() {
+        for cos in [0.0, 1e-6, 0.1, 0.5, 1.0] {
+            let film = fresnel_thin_film(cos, LIPID_INDEX, TEAR_INDEX, 0.0, 550.0);
+            assert!((film - fresnel_dielectric(cos, 1.0, TEAR_INDEX)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn film_stays_within_its_physical_range() {
+        for i in 0..=100 {
+            let cos = f64::from(i) / 100.0;
+            for d in 0..40 {
+                let rgb = fresnel_thin_film_rgb(cos, LIPID_INDEX, TEAR_INDEX, f64::from(d) * 10.0);
+                assert!(rgb.min_element() >= 0.0 && rgb.max_element() <= 1.0);
+            }
+        }
+        assert_eq!(
+            fresnel_thin_film_rgb(0.0, LIPID_INDEX, TEAR_INDEX, 60.0),
+            DVec3::ONE
+        );
+    }
+}

@@ -1,0 +1,21 @@
+//! Pure optics of the eye in f64, free of Bevy.
+//!
+//! In: surfaces, indices, rays, pupils, distances. Out: where light goes, how much of it, and how
+//! wide it blurs. Each file with a `shaders/lib` twin holds the same functions in the same order of
+//! arguments; one test runs both on the same seeded inputs.
+//!
+//! **Optics frame** (François et al. 2007): origin at the corneal apex, +z into the eye,
+//! millimetres. **Globe frame**: origin at the globe's centre of rotation, y up, gaze along −z, +x
+//! the patient's right; the same axes moved along z ([`globe::GlobeShape::optics_from_globe`]).
+//! A refracting surface is `DVec2(apical radius R in mm, shape factor p)`.
+
+pub mod caustic;
+pub mod conicoid;
+pub mod cornea;
+pub mod defocus;
+pub mod fermat;
+pub mod fresnel;
+pub mod globe;
+pub mod microfacet;
+pub mod output;
+pub mod snell;

@@ -1,0 +1,104 @@
+//! What the main world hands to the view's passes each frame, and what comes back.
+
+use super::gpu_data::PerceptUniform;
+use bevy::asset::Handle;
+use bevy::image::Image;
+use bevy::math::UVec2;
+use bevy::prelude::{Component, Resource};
+use bevy::render::extract_component::ExtractComponent;
+use bevy::render::extract_resource::ExtractResource;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Marks the camera that draws the scene from the patient's eye.
+#[derive(Component, Clone, Copy, Debug, ExtractComponent)]
+pub struct SceneCamera;
+
+/// Where a capture takes its picture from.
+#[derive(Clone, Debug)]
+pub enum CaptureSource {
+    /// The scene camera's colour and depth of this frame.
+    Scene,
+    /// A photograph and its vergence, both of the view's size.
+    Photo {
+        /// Linear colour, RGBA16F or sRGB bytes.
+        colour: Handle<Image>,
+        /// Vergence in 1/m, R32F.
+        vergence: Handle<Image>,
+    },
+}
+
+/// A view to make static.
+#[derive(Clone, Debug)]
+pub struct CaptureRequest {
+    /// Number of the capture.
+    pub serial: u64,
+    /// Where it comes from.
+    pub source: CaptureSource,
+    /// Is it another place, so that nothing remembered applies?
+    pub forget: bool,
+}
+
+/// The visual field as a square map about the fixation; see `shaders/view/visual_field.wgsl`.
+#[derive(Clone, Debug)]
+pub struct FieldMap {
+    /// Counts changes.
+    pub version: u64,
+    /// Texels along a side.
+    pub side: u32,
+    /// 0 blind to 1 seen, the highest row first.
+    pub seen: Arc<Vec<f32>>,
+}
+
+/// One frame of the view.
+#[derive(Resource, Clone, Debug, ExtractResource)]
+pub struct PerceptFrame {
+    /// Is the panel shown? If not, nothing runs.
+    pub visible: bool,
+    /// The numbers.
+    pub uniform: PerceptUniform,
+    /// A capture to make in this frame.
+    pub capture: Option<CaptureRequest>,
+    /// Write this moment's blur into the field?
+    pub update: bool,
+    /// Draw the picture?
+    pub present: bool,
+    /// Forget everything that was seen?
+    pub forget: bool,
+    /// The visual field, for a patient who has lost some of it.
+    pub glaucoma: Option<FieldMap>,
+    /// What is drawn into.
+    pub target: Handle<Image>,
+}
+
+/// A finished capture, on the CPU.
+#[derive(Clone, Debug, Default)]
+pub struct CaptureResult {
+    /// Number of the capture.
+    pub serial: u64,
+    /// Size of the view.
+    pub size: UVec2,
+    /// Corners (x, y, score, bits of the vergence), row by row.
+    pub corners: Vec<[u32; 4]>,
+    /// Corners found; more than listed when the list was full.
+    pub found: u32,
+    /// Vergence of every pixel, D.
+    pub vergence_d: Vec<f32>,
+    /// Voxels in the field's table.
+    pub occupied: u32,
+}
+
+/// Carries finished captures from the render world; cloning shares it.
+#[derive(Resource, Clone, Default)]
+pub struct PerceptReturn(Arc<Mutex<Option<CaptureResult>>>);
+
+impl PerceptReturn {
+    /// Leaves a result; an older one that nobody took is replaced.
+    pub fn give(&self, result: CaptureResult) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+    }
+
+    /// Takes the result, if there is one.
+    pub fn take(&self) -> Option<CaptureResult> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}

@@ -1,0 +1,238 @@
+//! The view as it is blurred: retinal blur in angles, the Gaussian gather, and the lids.
+//!
+//! Enters: linear radiance, vergence and a blur diameter for every pixel. Leaves: the linear radiance
+//! that is seen. [`reference_gather`] is the f64 reference over every pixel of each kernel, against
+//! which the taps of `shaders/view/gather.wgsl` are measured; the functions above it are the twins of
+//! `shaders/lib/retinal_blur.wgsl`, `gaussian_disc.wgsl` and `eyelid_view.wgsl`.
+//!
+//! Nießner et al. 2013, section 5, blur by a Gaussian whose deviation follows each pixel's circle of
+//! confusion. Here σ = d/4: a uniform disc of diameter d has the variance d²/16 along each axis, so
+//! the Gaussian is as wide as the disc that it stands for.
+//!
+//! A nearer tap reaches only as far as its own blur does (sharp near edges do not bleed onto far
+//! blur), and blurred nearer surfaces are laid over what is behind them with the coverage that their
+//! own Gaussians give (near blur spreads over far sharpness).
+
+/// Radius of the tapped disc in standard deviations of the taps' Gaussian.
+pub const GAUSSIAN_DISC_RADIUS: f64 = 2.4;
+/// Variance of a Gaussian cut at that radius, over σ²: 1 − h e⁻ʰ/(1 − e⁻ʰ), h = 2.4²/2.
+pub const GAUSSIAN_DISC_TRUNCATION: f64 = 0.828_716_95;
+/// Largest σ (pixels) that four bilinear taps make.
+pub const SMALL_DISC_SIGMA_PX: f64 = 0.7;
+/// Blur diameter (pixels) under which a pixel is copied.
+pub const COPY_DIAMETER_PX: f64 = 0.5;
+/// Largest σ (pixels) with which nearer surfaces spread over farther ones: 2.4 σ is one tile.
+pub const SPREAD_SIGMA_MAX_PX: f64 = 6.7;
+
+/// Blur (rad) that the healthy retina adds at an eccentricity (rad): `floor_rad` at the fovea,
+/// growing in proportion and doubled at `e2_rad`.
+pub fn neural_blur(eccentricity_rad: f64, floor_rad: f64, e2_rad: f64) -> f64 {
+    floor_rad * (1.0 + eccentricity_rad / e2_rad)
+}
+
+/// Independent blurs together: variances add.
+pub fn combined_blur(a_rad: f64, b_rad: f64) -> f64 {
+    (a_rad * a_rad + b_rad * b_rad).sqrt()
+}
+
+/// Unit direction, in the view's frame (+x right, +y up, looking along −z), of a place in pixels
+/// from the image's top left corner.
+pub fn view_ray(place_px: [f64; 2], size_px: [f64; 2], tan_half_fov: [f64; 2]) -> [f64; 3] {
+    let x = (2.0 * place_px[0] / size_px[0] - 1.0) * tan_half_fov[0];
+    let y = (1.0 - 2.0 * place_px[1] / size_px[1]) * tan_half_fov[1];
+    let length = (x * x + y * y + 1.0).sqrt();
+    [x / length, y / length, -1.0 / length]
+}
+
+/// Angle (rad) between unit vectors, exact for small angles.
+pub fn angle_between(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let chord2: f64 = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
+    2.0 * (0.5 * chord2.sqrt()).min(1.0).asin()
+}
+
+/// Place (rad) of a direction in the visual field around the fixation, as perimetry draws it: the
+/// length is the eccentricity, +x right and +y up.
+pub fn perimetric_angles(direction: [f64; 3], fixation: [f64; 3]) -> [f64; 2] {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+    let across = (fixation[2] * fixation[2] + fixation[0] * fixation[0])
+        .sqrt()
+        .max(1e-12);
+    let right = [-fixation[2] / across, 0.0, fixation[0] / across];
+    let up = [
+        right[1] * fixation[2] - right[2] * fixation[1],
+        right[2] * fixation[0] - right[0] * fixation[2],
+        right[0] * fixation[1] - right[1] * fixation[0],
+    ];
+    let (x, y) = (dot(direction, right), dot(direction, up));
+    let scale = angle_between(direction, fixation) / x.hypot(y).max(1e-12);
+    [x * scale, y * scale]
+}
+
+/// Taps that a blur of this σ (pixels) takes: 0 (a copy), 4, or from 20 up to `max_taps`.
+pub fn gaussian_disc_taps(sigma_px: f64, max_taps: u32) -> u32 {
+    if sigma_px < 0.25 * COPY_DIAMETER_PX {
+        0
+    } else if sigma_px <= SMALL_DISC_SIGMA_PX {
+        4
+    } else {
+        (20 + (1.5 * sigma_px).min(1e4) as u32).min(max_taps.max(20))
+    }
+}
+
+/// Mip level whose texel is the spacing of the taps.
+pub fn gaussian_disc_level(sigma_px: f64, taps: u32) -> f64 {
+    let spacing =
+        GAUSSIAN_DISC_RADIUS * sigma_px * (std::f64::consts::PI / f64::from(taps.max(1))).sqrt();
+    (spacing.max(1.0).log2() + 0.6).floor().max(0.0)
+}
+
+/// σ (pixels) of the tap weights such that taps, truncation and texels together have `sigma_px`.
+pub fn gaussian_disc_tap_sigma(sigma_px: f64, level: f64) -> f64 {
+    let texel2 = (2.0 * level).exp2();
+    let texel_variance = (texel2 - 1.0) / 12.0 + texel2 / 6.0;
+    let sigma2 = sigma_px * sigma_px;
+    ((sigma2 - texel_variance).max(0.15 * sigma2) / GAUSSIAN_DISC_TRUNCATION).sqrt()
+}
+
+fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
+    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Fraction of the light that the lids let through at height `v` of the view (0 top, 1 bottom) for
+/// an aperture of 0 (closed, dark everywhere) to 1 (open, clear everywhere).
+pub fn eyelid_transmission(v: f64, aperture: f64) -> f64 {
+    let a = aperture.clamp(0.0, 1.0);
+    let upper = 0.7 + (-0.2 - 0.7) * a;
+    let lower = 0.8 + (1.2 - 0.8) * a;
+    smoothstep(upper - 0.2, upper + 0.2, v)
+        * (1.0 - smoothstep(lower - 0.2, lower + 0.2, v))
+        * smoothstep(0.0, 0.1, a)
+}
+
+/// 0 where a tap lies at the pixel's vergence (D) or behind it, 1 where it is clearly nearer.
+pub fn nearness(tap_vergence_d: f64, vergence_d: f64) -> f64 {
+    smoothstep(
+        0.05,
+        0.15,
+        (tap_vergence_d - vergence_d) / (tap_vergence_d + 0.2),
+    )
+}
+
+/// A view to be blurred, row by row.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear radiance.
+    pub radiance: &'a [[f32; 3]],
+    /// Vergence along the ray, D.
+    pub vergence_d: &'a [f32],
+    /// Blur diameter, pixels.
+    pub blur_px: &'a [f32],
+}
+
+impl View<'_> {
+    fn is_consistent(&self) -> bool {
+        let pixels = self.width.checked_mul(self.height);
+        [
+            self.radiance.len(),
+            self.vergence_d.len(),
+            self.blur_px.len(),
+        ]
+        .iter()
+        .all(|n| Some(*n) == pixels)
+    }
+
+    fn sigma_px(&self, at: usize) -> f64 {
+        0.25 * f64::from(self.blur_px[at])
+    }
+
+    /// Calls `visit(pixel, r²)` for every place within a radius, pixels beyond the border being the
+    /// border's own.
+    fn around(&self, x: usize, y: usize, radius_px: f64, mut visit: impl FnMut(usize, f64)) {
+        let reach = radius_px.ceil() as isize;
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let distance2 = (dx * dx + dy * dy) as f64;
+                if distance2 <= radius_px * radius_px {
+                    let column = x.saturating_add_signed(dx).min(self.width - 1);
+                    let row = y.saturating_add_signed(dy).min(self.height - 1);
+                    visit(row * self.width + column, distance2);
+                }
+            }
+        }
+    }
+}
+
+/// What is seen of a view, in f64, over every pixel of every kernel; empty when the view's slices do
+/// not have one entry a pixel. Slow: for tests and error images.
+pub fn reference_gather(view: &View<'_>) -> Vec<[f64; 3]> {
+    if !view.is_consistent() {
+        return Vec::new();
+    }
+    let mut seen = Vec::with_capacity(view.radiance.len());
+    for y in 0..view.height {
+        for x in 0..view.width {
+            let own = gather_own(view, x, y);
+            seen.push(spread_near(view, x, y, own));
+        }
+    }
+    seen
+}
+
+/// Mean under the pixel's own Gaussian, nearer pixels reaching only as far as their own blur.
+fn gather_own(view: &View<'_>, x: usize, y: usize) -> [f64; 3] {
+    let at = y * view.width + x;
+    let centre = view.radiance[at].map(f64::from);
+    let sigma = view.sigma_px(at);
+    if sigma < 0.25 * COPY_DIAMETER_PX {
+        return centre;
+    }
+    let vergence = f64::from(view.vergence_d[at]);
+    // The pixel itself always counts a little, so that the sum of weights is never zero.
+    let (mut sum, mut total) = (centre.map(|c| 1e-3 * c), 1e-3);
+    view.around(x, y, 5.0 * sigma, |tap, distance2| {
+        let mut weight = (-0.5 * distance2 / (sigma * sigma)).exp();
+        let near = nearness(f64::from(view.vergence_d[tap]), vergence);
+        if near > 0.0 && distance2 > 0.0 {
+            let tap_sigma = view.sigma_px(tap).clamp(0.3_f64.min(sigma), sigma);
+            let reach = (-0.5 * distance2 / (tap_sigma * tap_sigma)).exp();
+            weight += (reach - weight) * near;
+        }
+        for (s, c) in sum.iter_mut().zip(view.radiance[tap]) {
+            *s += weight * f64::from(c);
+        }
+        total += weight;
+    });
+    sum.map(|s| s / total)
+}
+
+/// Nearer blurred pixels laid over a pixel, each spreading its light over its own Gaussian.
+fn spread_near(view: &View<'_>, x: usize, y: usize, own: [f64; 3]) -> [f64; 3] {
+    let at = y * view.width + x;
+    let vergence = f64::from(view.vergence_d[at]);
+    let sigma = view.sigma_px(at).max(0.5);
+    let radius = GAUSSIAN_DISC_RADIUS * SPREAD_SIGMA_MAX_PX;
+    let (mut covered, mut alpha) = ([0.0; 3], 0.0);
+    view.around(x, y, radius, |tap, distance2| {
+        let near = nearness(f64::from(view.vergence_d[tap]), vergence);
+        let tap_sigma = view.sigma_px(tap);
+        if near > 0.0 && tap_sigma > sigma {
+            let variance = tap_sigma * tap_sigma;
+            let weight =
+                near * (-0.5 * distance2 / variance).exp() / (std::f64::consts::TAU * variance);
+            for (s, c) in covered.iter_mut().zip(view.radiance[tap]) {
+                *s += weight * f64::from(c);
+            }
+            alpha += weight;
+        }
+    });
+    let cover = alpha.min(1.0);
+    std::array::from_fn(|i| own[i] + (covered[i] / alpha.max(1e-12) - own[i]) * cover)
+}
+
+#[cfg(test)]
+mod tests;

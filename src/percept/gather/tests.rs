@@ -1,0 +1,235 @@
+use super::*;
+
+#[test]
+fn sigma_is_that_of_the_disc_it_stands_for() {
+    // Variance of a uniform disc along x, integrated in rings: R^2/4 = d^2/16.
+    let (d, n) = (7.0, 100_000);
+    let (mut moment, mut area) = (0.0, 0.0);
+    for i in 0..n {
+        let r = (f64::from(i) + 0.5) / f64::from(n) * d / 2.0;
+        moment += r * r * r / 2.0;
+        area += r;
+    }
+    assert!((moment / area - (d / 4.0_f64).powi(2)).abs() < 1e-6);
+}
+
+#[test]
+fn truncation_is_the_closed_form() {
+    let h = GAUSSIAN_DISC_RADIUS.powi(2) / 2.0;
+    let expected = 1.0 - h * (-h).exp() / (1.0 - (-h).exp());
+    assert!(
+        (GAUSSIAN_DISC_TRUNCATION - expected).abs() < 1e-7,
+        "{expected}"
+    );
+}
+
+/// Variance along x and y of the kernel that the shader's taps make, at every phase: weights of the
+/// taps, and the texels' own.
+fn kernel_variance(sigma: f64, max_taps: u32) -> [f64; 2] {
+    let taps = gaussian_disc_taps(sigma, max_taps);
+    if taps == 4 {
+        return [sigma * sigma; 2];
+    }
+    let level = gaussian_disc_level(sigma, taps);
+    let tap_sigma = gaussian_disc_tap_sigma(sigma, level);
+    let step2 = (GAUSSIAN_DISC_RADIUS * tap_sigma).powi(2) / f64::from(taps);
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let (mut total, mut mean, mut moment) = (0.0, [0.0; 2], [0.0; 2]);
+    for k in 0..taps {
+        let r2 = (f64::from(k) + 0.5) * step2;
+        let w = (-0.5 * r2 / (tap_sigma * tap_sigma)).exp();
+        let (sin, cos) = (golden * f64::from(k)).sin_cos();
+        let p = [r2.sqrt() * cos, r2.sqrt() * sin];
+        total += w;
+        for i in 0..2 {
+            mean[i] += w * p[i];
+            moment[i] += w * p[i] * p[i];
+        }
+    }
+    let texel2 = (2.0 * level).exp2();
+    let texel = (texel2 - 1.0) / 12.0 + texel2 / 6.0;
+    std::array::from_fn(|i| moment[i] / total - (mean[i] / total).powi(2) + texel)
+}
+
+#[test]
+fn the_taps_have_the_variance_of_the_disc() {
+    for max_taps in [20, 48] {
+        let mut sigma = 0.13;
+        while sigma < 60.0 {
+            let [x, y] = kernel_variance(sigma, max_taps);
+            for v in [x, y] {
+                // Twenty points on a spiral are not a continuum.
+                assert!(
+                    (v.sqrt() / sigma - 1.0).abs() < 0.04,
+                    "{sigma}: {}",
+                    v.sqrt()
+                );
+            }
+            sigma *= 1.07;
+        }
+    }
+}
+
+#[test]
+fn taps_grow_with_blur_and_stop() {
+    assert_eq!(gaussian_disc_taps(0.12, 48), 0);
+    assert_eq!(gaussian_disc_taps(0.13, 48), 4);
+    assert_eq!(gaussian_disc_taps(0.71, 48), 21);
+    assert_eq!(gaussian_disc_taps(10.0, 48), 35);
+    assert_eq!(gaussian_disc_taps(1e9, 48), 48);
+    assert_eq!(gaussian_disc_taps(1e9, 0), 20);
+    assert_eq!(gaussian_disc_taps(f64::INFINITY, 48), 48);
+}
+
+#[test]
+fn lids_are_clear_when_open_dark_when_closed_and_come_down() {
+    let mut last = f64::INFINITY;
+    for i in 0..=20 {
+        let aperture = 1.0 - f64::from(i) / 20.0;
+        let mean: f64 = (0..100)
+            .map(|k| eyelid_transmission((f64::from(k) + 0.5) / 100.0, aperture))
+            .sum();
+        assert!(mean < last || mean == 0.0 || (mean - last).abs() < 1e-12);
+        last = mean;
+    }
+    for k in 0..=10 {
+        let v = f64::from(k) / 10.0;
+        assert!((eyelid_transmission(v, 1.0) - 1.0).abs() < 1e-12);
+        assert_eq!(eyelid_transmission(v, 0.0), 0.0);
+        assert_eq!(eyelid_transmission(v, f64::NEG_INFINITY), 0.0);
+    }
+    assert!(eyelid_transmission(0.1, 0.5) < 0.1 && eyelid_transmission(0.6, 0.5) > 0.8);
+}
+
+#[test]
+fn angles_are_those_of_spherical_trigonometry() {
+    let tan = 30_f64.to_radians().tan();
+    let middle = view_ray([160.0, 160.0], [320.0; 2], [tan; 2]);
+    assert_eq!(middle, [0.0, 0.0, -1.0]);
+    let right = view_ray([320.0, 160.0], [320.0; 2], [tan; 2]);
+    assert!((angle_between(middle, right).to_degrees() - 30.0).abs() < 1e-12);
+    let up = view_ray([160.0, 0.0], [320.0; 2], [tan; 2]);
+    assert!(up[1] > 0.0);
+    let p = perimetric_angles(right, middle);
+    assert!((p[0].to_degrees() - 30.0).abs() < 1e-12 && p[1].abs() < 1e-12);
+    let p = perimetric_angles(up, middle);
+    assert!((p[1].to_degrees() - 30.0).abs() < 1e-12 && p[0].abs() < 1e-12);
+    // What lies straight ahead is left of a fixation to the right.
+    let p = perimetric_angles(middle, right);
+    assert!((p[0].to_degrees() + 30.0).abs() < 1e-12);
+    assert_eq!(perimetric_angles(right, right), [0.0; 2]);
+    assert!(
+        (angle_between([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]) - std::f64::consts::PI).abs() < 1e-12
+    );
+    assert!(
+        perimetric_angles([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+            .iter()
+            .all(|v| v.is_finite())
+    );
+}
+
+#[test]
+fn retinal_blur_doubles_at_e2_and_adds_in_quadrature() {
+    let arcmin = 1_f64.to_radians() / 60.0;
+    let e2 = 2.5_f64.to_radians();
+    assert!((neural_blur(0.0, arcmin, e2) - arcmin).abs() < 1e-18);
+    assert!((neural_blur(e2, arcmin, e2) - 2.0 * arcmin).abs() < 1e-18);
+    assert!((combined_blur(3.0, 4.0) - 5.0).abs() < 1e-15);
+}
+
+struct Picture {
+    radiance: Vec<[f32; 3]>,
+    vergence: Vec<f32>,
+    blur: Vec<f32>,
+}
+
+impl Picture {
+    fn seen(&self, width: usize, height: usize) -> Vec<[f64; 3]> {
+        reference_gather(&View {
+            width,
+            height,
+            radiance: &self.radiance,
+            vergence_d: &self.vergence,
+            blur_px: &self.blur,
+        })
+    }
+}
+
+#[test]
+fn a_bright_point_keeps_its_energy_and_gets_its_width() {
+    let n = 61;
+    for d in [0.3, 1.0, 3.0, 10.0, 20.0] {
+        let mut radiance = vec![[0.0; 3]; n * n];
+        radiance[30 * n + 30] = [1000.0, 500.0, 0.0];
+        let picture = Picture {
+            radiance,
+            vergence: vec![1.0; n * n],
+            blur: vec![d; n * n],
+        };
+        let seen = picture.seen(n, n);
+        let sum: f64 = seen.iter().map(|c| c[0]).sum();
+        assert!((sum / 1000.0 - 1.0).abs() < 0.01, "{d}: {sum}");
+        let moment: f64 = seen
+            .iter()
+            .enumerate()
+            .map(|(i, c)| c[0] * ((i % n) as f64 - 30.0).powi(2))
+            .sum();
+        if d >= 3.0 {
+            assert!(
+                ((moment / sum).sqrt() / (f64::from(d) / 4.0) - 1.0).abs() < 0.01,
+                "{d}"
+            );
+        }
+    }
+}
+
+/// Left half near and bright, right half far and dark, with one blur for each.
+fn edge(near_blur: f32, far_blur: f32) -> Vec<f64> {
+    let (w, h) = (80, 41);
+    let left = |i: usize| i % w < w / 2;
+    let picture = Picture {
+        radiance: (0..w * h)
+            .map(|i| [f32::from(u8::from(left(i))); 3])
+            .collect(),
+        vergence: (0..w * h)
+            .map(|i| if left(i) { 3.0 } else { 0.3 })
+            .collect(),
+        blur: (0..w * h)
+            .map(|i| if left(i) { near_blur } else { far_blur })
+            .collect(),
+    };
+    picture.seen(w, h)[20 * w..21 * w]
+        .iter()
+        .map(|c| c[0])
+        .collect()
+}
+
+#[test]
+fn sharp_near_edges_do_not_bleed_and_blurred_ones_spread() {
+    let sharp_near = edge(0.1, 16.0);
+    assert!(
+        sharp_near[39] == 1.0 && sharp_near[41..].iter().all(|v| *v < 0.01),
+        "{sharp_near:?}"
+    );
+    // The near side of 16 pixels (sigma 4) over a sharp far side: half covered at the edge, nothing
+    // beyond 2.4 sigma cut at one tile.
+    let blurred_near = edge(16.0, 0.1);
+    assert!((blurred_near[40] - 0.45).abs() < 0.05, "{blurred_near:?}");
+    assert!(blurred_near[60] < 1e-4 && blurred_near[30] > 0.99);
+    assert!(
+        blurred_near.windows(2).all(|w| w[1] <= w[0] + 0.06),
+        "{blurred_near:?}"
+    );
+}
+
+#[test]
+fn inconsistent_views_give_nothing() {
+    let view = View {
+        width: 2,
+        height: 2,
+        radiance: &[[0.0; 3]; 4],
+        vergence_d: &[0.0; 3],
+        blur_px: &[0.0; 4],
+    };
+    assert_eq!(reference_gather(&view), Vec::<[f64; 3]>::new());
+}

@@ -1,0 +1,262 @@
+//! What the passes of the view share with the CPU: the uniform, the sizes of textures, buffers and
+//! dispatches, and the layout of the counters.
+//!
+//! Keep in sync with `shaders/view/percept_uniform.wgsl`, `features.wgsl` and `field_update.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Pixels along each side of a workgroup of the per-pixel passes.
+pub const WORKGROUP: u32 = 8;
+/// Pixels along each side of a workgroup of `read_blur`, which is also its tile.
+pub const TILE: u32 = 16;
+/// Slots of a workgroup of `rebase` and `grow_table`.
+pub const SLOT_WORKGROUP: u32 = 64;
+/// Corners that the candidate buffer holds, 16 bytes each.
+pub const CANDIDATE_CAPACITY: u32 = 16_384;
+/// Words of the feature counters: 0 listed, 1 corners after suppression, 2 lowest score listed,
+/// from 4 the number of corners of each score 0..=255.
+pub const FEATURE_COUNTERS: usize = 260;
+/// Words of the table counters: 0 voxels in the table, 1 insertions that found no slot.
+pub const TABLE_COUNTERS: usize = 4;
+/// `rebase_steps` that makes `rebase` forget everything.
+pub const FORGET: u32 = u32::MAX;
+/// Largest workgroup count along one axis that every WebGPU device takes.
+const MAX_GROUPS: u32 = 65_535;
+
+/// The uniform of every pass of the view, 208 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct PerceptUniform {
+    /// View +x in the world (unit).
+    pub right: [f32; 3],
+    /// Tangent of half the horizontal field.
+    pub tan_half_fov_x: f32,
+    /// View +y in the world (unit).
+    pub up: [f32; 3],
+    /// Tangent of half the vertical field.
+    pub tan_half_fov_y: f32,
+    /// View +z in the world (unit), against the direction of looking.
+    pub back: [f32; 3],
+    /// Near plane, m.
+    pub near_m: f32,
+    /// Eye minus the field's origin, m. The origin is fixed for the life of the table.
+    pub eye_m: [f32; 3],
+    /// Side of the voxels, m; 0 for voxels in proportion to distance.
+    pub voxel_size_m: f32,
+    /// Unit direction of the fixation in the view's frame (+x right, +y up, looking along −z).
+    pub fixation: [f32; 3],
+    /// Vergence on which the eye is focused, D.
+    pub focus_vergence_d: f32,
+    /// Size of the view, pixels.
+    pub size: [u32; 2],
+    /// Scene texels a view pixel along each axis, ≥ 1.
+    pub supersampling: u32,
+    /// Slots of the voxel table (a power of two) minus one.
+    pub slot_mask: u32,
+    /// Blinks, counted round from 0 to 255 ([`super::sharpness_field::SharpnessClock::epoch`]).
+    pub epoch: u32,
+    /// Starvation now, in 1/4096 nat ([`super::sharpness_field::SharpnessClock::starve_steps`]).
+    pub starve_steps: u32,
+    /// Starvation before a rebase, or [`FORGET`]; read by `rebase` alone.
+    pub rebase_steps: u32,
+    /// FAST threshold, 0..=255.
+    pub fast_threshold: u32,
+    /// Pupil diameter, m.
+    pub pupil_m: f32,
+    /// Spectacle refraction, D.
+    pub refraction_d: f32,
+    /// Diameter of the blur of a perfectly focused fovea, rad (about one minute of arc).
+    pub neural_floor_rad: f32,
+    /// Eccentricity at which that blur has doubled, rad (about 2.5°).
+    pub eccentricity_e2_rad: f32,
+    /// Blur of what has not been seen since the last blink, rad; the largest blur shown.
+    pub coc_cap_rad: f32,
+    /// View pixels a radian at the middle of the view ([`pixels_per_radian`]).
+    pub pixels_per_radian: f32,
+    /// Largest angle that a voxel subtends at the field's origin, rad ([`default_voxel_angle_rad`]).
+    pub voxel_angle_rad: f32,
+    /// Factor on radiance before the output transform.
+    pub exposure: f32,
+    /// Size of the image that `present` draws into, pixels.
+    pub target_size: [f32; 2],
+    /// Fixation marker, target pixels from the top left corner.
+    pub marker: [f32; 2],
+    /// Radius of the marker's ring, target pixels; 0 draws none.
+    pub marker_radius_px: f32,
+    /// Lid aperture, 0 closed to 1 open.
+    pub lid_aperture: f32,
+    /// Most taps a gather may take, ≥ 20 (48 is the quality limit, 20 the fast one).
+    pub max_taps: u32,
+    /// Corners that the candidate buffer holds.
+    pub candidate_capacity: u32,
+    /// Glaucoma: blur added per radian of eccentricity, rad/rad.
+    pub eccentricity_penalty: f32,
+    /// Glaucoma: blur where the field is wholly lost, rad.
+    pub loss_blur_rad: f32,
+    /// Glaucoma: fraction of the light missing where the field is wholly lost, 0..1.
+    pub loss_darkening: f32,
+    /// Glaucoma: fraction of the colour missing where the field is wholly lost, 0..1.
+    pub loss_desaturation: f32,
+    /// Glaucoma: half the side of the visual-field map, rad (40°).
+    pub field_half_width_rad: f32,
+    /// Factor on radiance before FAST's luma: white is 1/this.
+    pub luma_exposure: f32,
+    /// Slots of the old table; read by `grow_table` alone.
+    pub table_slots_old: u32,
+    /// Fills the last 16 bytes.
+    pub padding: f32,
+}
+
+const _: () = assert!(size_of::<PerceptUniform>() == 208);
+
+impl Default for PerceptUniform {
+    /// A healthy eye looking straight ahead at infinity, 320 × 320 over 60°.
+    fn default() -> Self {
+        let tan_half_fov = 30_f32.to_radians().tan();
+        let pixels_per_radian = pixels_per_radian(320, tan_half_fov);
+        Self {
+            right: [1.0, 0.0, 0.0],
+            tan_half_fov_x: tan_half_fov,
+            up: [0.0, 1.0, 0.0],
+            tan_half_fov_y: tan_half_fov,
+            back: [0.0, 0.0, 1.0],
+            near_m: 0.05,
+            eye_m: [0.0; 3],
+            voxel_size_m: 0.0,
+            fixation: [0.0, 0.0, -1.0],
+            focus_vergence_d: 0.0,
+            size: [320; 2],
+            supersampling: 1,
+            slot_mask: table_slots(0, 320 * 320) - 1,
+            epoch: 0,
+            starve_steps: 0,
+            rebase_steps: FORGET,
+            fast_threshold: 20,
+            pupil_m: 4e-3,
+            refraction_d: 0.0,
+            neural_floor_rad: (1.0_f32 / 60.0).to_radians(),
+            eccentricity_e2_rad: 2.5_f32.to_radians(),
+            coc_cap_rad: 2.0_f32.to_radians(),
+            pixels_per_radian,
+            voxel_angle_rad: default_voxel_angle_rad(pixels_per_radian),
+            exposure: 1.0,
+            target_size: [320.0; 2],
+            marker: [0.0; 2],
+            marker_radius_px: 0.0,
+            lid_aperture: 1.0,
+            max_taps: 48,
+            candidate_capacity: CANDIDATE_CAPACITY,
+            eccentricity_penalty: 0.0,
+            loss_blur_rad: 0.0,
+            loss_darkening: 0.0,
+            loss_desaturation: 0.0,
+            field_half_width_rad: 40_f32.to_radians(),
+            luma_exposure: 1.0,
+            table_slots_old: 0,
+            padding: 0.0,
+        }
+    }
+}
+
+/// View pixels a radian at the middle of a view of `width_px` pixels whose half field has the
+/// tangent `tan_half_fov`.
+pub fn pixels_per_radian(width_px: u32, tan_half_fov: f32) -> f32 {
+    width_px as f32 / (2.0 * tan_half_fov)
+}
+
+/// Voxel angle at which a voxel spans between one and two pixels: small enough that its edge does
+/// not show, large enough that a head that turns finds the voxels it left.
+pub fn default_voxel_angle_rad(pixels_per_radian: f32) -> f32 {
+    2.0 / pixels_per_radian
+}
+
+/// Levels of the whole mip chain of a view, down to one texel.
+pub fn mip_levels(width: u32, height: u32) -> u32 {
+    width.max(height).max(1).ilog2() + 1
+}
+
+/// Workgroups of a per-pixel pass ([`WORKGROUP`], or [`TILE`] for `read_blur`).
+pub fn pixel_groups(width: u32, height: u32, workgroup: u32) -> [u32; 2] {
+    [width.div_ceil(workgroup), height.div_ceil(workgroup)]
+}
+
+/// Workgroups of `rebase` or `grow_table` over a table of `slots`.
+pub fn slot_groups(slots: u32) -> [u32; 2] {
+    let groups = slots.div_ceil(SLOT_WORKGROUP).max(1);
+    let x = groups.min(MAX_GROUPS);
+    [x, groups.div_ceil(x)]
+}
+
+/// Slots (a power of two) that keep the table's load at or under 60 % when a view of `pixels` is
+/// added to `occupied` voxels: a view adds at most one voxel a pixel. 12 bytes a slot.
+pub fn table_slots(occupied: u32, pixels: u32) -> u32 {
+    let wanted = (u64::from(occupied) + u64::from(pixels)) * 5 / 3 + 1;
+    u32::try_from(wanted.clamp(1024, 1 << 30).next_power_of_two()).unwrap_or(1 << 30)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wgsl_struct_has_the_same_fields_in_the_same_places() {
+        let wgsl = include_str!("../../shaders/view/percept_uniform.wgsl");
+        let module = naga::front::wgsl::parse_str(wgsl).unwrap();
+        let (members, span) = module
+            .types
+            .iter()
+            .find_map(|(_, ty)| match &ty.inner {
+                naga::TypeInner::Struct { members, span } => Some((members, *span)),
+                _ => None,
+            })
+            .unwrap();
+        assert_eq!(span as usize, size_of::<PerceptUniform>());
+        let offset = |name: &str| {
+            members
+                .iter()
+                .find(|m| m.name.as_deref() == Some(name))
+                .unwrap_or_else(|| panic!("no {name}"))
+                .offset as usize
+        };
+        macro_rules! same {
+            ($($wgsl:ident $rust:ident),* $(,)?) => {
+                $(assert_eq!(offset(stringify!($wgsl)), std::mem::offset_of!(PerceptUniform, $rust));)*
+            };
+        }
+        same!(right right, up up, back back, eye eye_m, fixation fixation, size size,
+            supersampling supersampling, slot_mask slot_mask, epoch epoch, starve_steps starve_steps,
+            rebase_steps rebase_steps, fast_threshold fast_threshold, pupil_m pupil_m,
+            refraction_d refraction_d, neural_floor_rad neural_floor_rad,
+            eccentricity_e2_rad eccentricity_e2_rad, coc_cap_rad coc_cap_rad,
+            pixels_per_radian pixels_per_radian, voxel_angle_rad voxel_angle_rad, exposure exposure,
+            target_size target_size, marker marker, marker_radius_px marker_radius_px,
+            lid_aperture lid_aperture, max_taps max_taps, candidate_capacity candidate_capacity,
+            eccentricity_penalty eccentricity_penalty, loss_blur_rad loss_blur_rad,
+            loss_darkening loss_darkening, loss_desaturation loss_desaturation,
+            field_half_width_rad field_half_width_rad, luma_exposure luma_exposure,
+            table_slots_old table_slots_old, padding padding);
+        assert_eq!(members.len(), 34);
+    }
+
+    #[test]
+    fn a_first_view_fits_and_stays_under_sixty_percent() {
+        for (occupied, pixels) in [(0, 320 * 320), (102_400, 320 * 320), (5, 1), (0, 4_000_000)] {
+            let slots = table_slots(occupied, pixels);
+            assert!(slots.is_power_of_two());
+            assert!(f64::from(occupied + pixels) <= 0.6 * f64::from(slots));
+        }
+        assert_eq!(table_slots(0, 320 * 320), 262_144);
+        assert_eq!(table_slots(u32::MAX, u32::MAX), 1 << 30);
+    }
+
+    #[test]
+    fn groups_cover_every_pixel_and_slot() {
+        assert_eq!(pixel_groups(1, 1, WORKGROUP), [1, 1]);
+        assert_eq!(pixel_groups(321, 320, TILE), [21, 20]);
+        let [x, y] = slot_groups(1 << 30);
+        assert!(x <= MAX_GROUPS && y <= MAX_GROUPS);
+        assert!(u64::from(x) * u64::from(y) * u64::from(SLOT_WORKGROUP) >= 1 << 30);
+        assert_eq!(mip_levels(320, 200), 9);
+        assert_eq!(mip_levels(1, 1), 1);
+    }
+}

@@ -1,0 +1,181 @@
+//! Copies from the GPU that arrive when they are ready, on the desktop and in a browser.
+
+use super::frame::CaptureResult;
+use super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, TABLE_COUNTERS};
+use bevy::math::UVec2;
+use bevy::prelude::Resource;
+use bevy::render::render_resource::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Extent3d, MapMode, Origin3d,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect,
+};
+use bevy::render::renderer::RenderDevice;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+const WAITING: u8 = 0;
+const MAPPED: u8 = 1;
+const FAILED: u8 = 2;
+
+/// Order of the parts in the staging buffer.
+const COUNTERS_BYTES: u64 = FEATURE_COUNTERS as u64 * 4;
+const TABLE_BYTES: u64 = TABLE_COUNTERS as u64 * 4;
+const CANDIDATE_BYTES: u64 = CANDIDATE_CAPACITY as u64 * 16;
+/// Texture copies start at multiples of this.
+const TEXTURE_OFFSET: u64 = (COUNTERS_BYTES + TABLE_BYTES + CANDIDATE_BYTES).next_multiple_of(256);
+
+/// One capture on its way to the CPU.
+pub struct Staging {
+    buffer: Buffer,
+    serial: u64,
+    size: UVec2,
+    row_bytes: u32,
+    state: Arc<AtomicU8>,
+    asked: bool,
+}
+
+impl Staging {
+    /// Records the copies; they run when the encoder is submitted.
+    #[expect(clippy::too_many_arguments, reason = "one argument a source")]
+    pub fn copy(
+        device: &RenderDevice,
+        encoder: &mut CommandEncoder,
+        serial: u64,
+        size: UVec2,
+        counters: &Buffer,
+        candidates: &Buffer,
+        table_counters: &Buffer,
+        vergence: &Texture,
+    ) -> Self {
+        let row_bytes = RenderDevice::align_copy_bytes_per_row(size.x as usize * 4) as u32;
+        let buffer = device.create_buffer(&BufferDescriptor {
+            label: Some("capture staging"),
+            size: TEXTURE_OFFSET + u64::from(row_bytes) * u64::from(size.y),
+            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        encoder.copy_buffer_to_buffer(counters, 0, &buffer, 0, COUNTERS_BYTES);
+        encoder.copy_buffer_to_buffer(table_counters, 0, &buffer, COUNTERS_BYTES, TABLE_BYTES);
+        encoder.copy_buffer_to_buffer(
+            candidates,
+            0,
+            &buffer,
+            COUNTERS_BYTES + TABLE_BYTES,
+            CANDIDATE_BYTES,
+        );
+        encoder.copy_texture_to_buffer(
+            TexelCopyTextureInfo {
+                texture: vergence,
+                mip_level: 0,
+                origin: Origin3d::ZERO,
+                aspect: TextureAspect::All,
+            },
+            TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: TexelCopyBufferLayout {
+                    offset: TEXTURE_OFFSET,
+                    bytes_per_row: Some(row_bytes),
+                    rows_per_image: None,
+                },
+            },
+            Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: 1,
+            },
+        );
+        Self {
+            buffer,
+            serial,
+            size,
+            row_bytes,
+            state: Arc::new(AtomicU8::new(WAITING)),
+            asked: false,
+        }
+    }
+
+    fn ask(&mut self) {
+        self.asked = true;
+        let state = self.state.clone();
+        self.buffer
+            .slice(..)
+            .map_async(MapMode::Read, move |result| {
+                let now = if result.is_ok() { MAPPED } else { FAILED };
+                state.store(now, Ordering::Release);
+            });
+    }
+
+    fn read(&self) -> CaptureResult {
+        let bytes = self.buffer.slice(..).get_mapped_range();
+        let words = |from: u64, bytes_long: u64| -> Vec<u32> {
+            bytes[from as usize..(from + bytes_long) as usize]
+                .chunks_exact(4)
+                .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+                .collect()
+        };
+        let counters = words(0, COUNTERS_BYTES);
+        let listed = counters[0].min(CANDIDATE_CAPACITY);
+        let mut corners: Vec<[u32; 4]> =
+            words(COUNTERS_BYTES + TABLE_BYTES, u64::from(listed) * 16)
+                .chunks_exact(4)
+                .map(|corner| [corner[0], corner[1], corner[2], corner[3]])
+                .collect();
+        // The GPU lists them in any order; row by row is the same in every run.
+        corners.sort_unstable_by_key(|corner| (corner[1], corner[0]));
+        let row_words = u64::from(self.size.x) * 4;
+        let vergence_d = (0..self.size.y)
+            .flat_map(|row| {
+                let from = TEXTURE_OFFSET + u64::from(row) * u64::from(self.row_bytes);
+                words(from, row_words).into_iter().map(f32::from_bits)
+            })
+            .collect();
+        CaptureResult {
+            serial: self.serial,
+            size: self.size,
+            corners,
+            found: counters[1],
+            vergence_d,
+            occupied: words(COUNTERS_BYTES, TABLE_BYTES)[0],
+        }
+    }
+}
+
+/// The one capture that may be on its way.
+#[derive(Resource, Default)]
+pub struct Readback {
+    staging: Option<Staging>,
+}
+
+impl Readback {
+    /// Is one on its way?
+    pub fn busy(&self) -> bool {
+        self.staging.is_some()
+    }
+
+    /// Starts one, recorded in this frame.
+    pub fn start(&mut self, staging: Staging) {
+        self.staging = Some(staging);
+    }
+
+    /// The one that has arrived. Called after the frame's work is submitted.
+    pub fn take_finished(&mut self) -> Option<CaptureResult> {
+        let staging = self.staging.as_mut()?;
+        if !staging.asked {
+            staging.ask();
+            return None;
+        }
+        match staging.state.load(Ordering::Acquire) {
+            MAPPED => {
+                let result = staging.read();
+                staging.buffer.unmap();
+                self.staging = None;
+                Some(result)
+            }
+            FAILED => {
+                // The device was lost or replaced; a new capture will be asked for.
+                self.staging = None;
+                None
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! From what a user asks for to a loaded scene.
+//!
+//! Enters: a built-in scene's name or a file's path, and perhaps a depth image. Leaves: a
+//! [`LoadedScene`], or the sentence that says what is wrong.
+
+use super::gltf_file::load_gltf;
+use super::model::{SceneError, SceneModel};
+use super::photo::{PhotoOptions, PhotoScene, load_photo, read_file};
+use super::room;
+use std::path::{Path, PathBuf};
+
+/// A scene that comes with the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BuiltIn {
+    /// The furnished room.
+    Room,
+    /// The eye chart in a clinic's corridor.
+    Chart,
+}
+
+impl BuiltIn {
+    /// All of them, in the order of a list.
+    pub const ALL: [Self; 2] = [Self::Room, Self::Chart];
+
+    /// The name by which it is asked for.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Room => "room",
+            Self::Chart => "chart",
+        }
+    }
+
+    /// One line that says what is to be seen.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Room => {
+                "a furnished reading room: things at 0.3, 0.6, 1, 3 and 6 m and a street outside the window"
+            }
+            Self::Chart => "an eye chart at 6 m at the end of a clinic's corridor",
+        }
+    }
+
+    /// Builds it.
+    pub fn build(self) -> Result<SceneModel, SceneError> {
+        match self {
+            Self::Room => room::room(),
+            Self::Chart => room::chart(),
+        }
+    }
+}
+
+/// Where a scene comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneSource {
+    /// The program itself.
+    BuiltIn(BuiltIn),
+    /// A glTF file.
+    Model(PathBuf),
+    /// A photograph, perhaps with a depth image.
+    Photo {
+        /// The photograph.
+        path: PathBuf,
+        /// Its depth image.
+        depth: Option<PathBuf>,
+    },
+}
+
+/// A scene of either kind.
+#[derive(Debug, Clone)]
+pub enum LoadedScene {
+    /// Triangles.
+    Model(Box<SceneModel>),
+    /// A photograph.
+    Photo(Box<PhotoScene>),
+}
+
+impl LoadedScene {
+    /// Its name, for lists and reports.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Model(model) => &model.name,
+            Self::Photo(photo) => &photo.name,
+        }
+    }
+}
+
+impl SceneSource {
+    /// Decides what is meant: a built-in name wins; else the file's first bytes decide, so that a
+    /// wrong extension does no harm.
+    pub fn parse(name_or_path: &str, depth: Option<&Path>) -> Result<Self, SceneError> {
+        let refuse_depth = |kind: &str| match depth {
+            Some(_) => Err(SceneError::Content {
+                source_name: name_or_path.into(),
+                reason: format!("a depth image goes with a photograph, not with {kind}"),
+            }),
+            None => Ok(()),
+        };
+        if let Some(scene) = BuiltIn::ALL
+            .into_iter()
+            .find(|scene| scene.name() == name_or_path)
+        {
+            refuse_depth("a built-in scene")?;
+            return Ok(Self::BuiltIn(scene));
+        }
+        let path = Path::new(name_or_path);
+        let extension = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .unwrap_or("")
+            .to_lowercase();
+        if !path.exists() && extension.is_empty() && path.components().count() <= 1 {
+            let known: Vec<&str> = BuiltIn::ALL.into_iter().map(BuiltIn::name).collect();
+            return Err(SceneError::Unknown {
+                name: name_or_path.into(),
+                known: known.join(", "),
+            });
+        }
+        let bytes = read_file(path)?;
+        let is_model = bytes.starts_with(b"glTF") || matches!(extension.as_str(), "gltf" | "glb");
+        let is_image = image::guess_format(&bytes).is_ok()
+            || matches!(extension.as_str(), "png" | "jpg" | "jpeg");
+        if is_model {
+            refuse_depth("a glTF file")?;
+            Ok(Self::Model(path.into()))
+        } else if is_image {
+            Ok(Self::Photo {
+                path: path.into(),
+                depth: depth.map(Into::into),
+            })
+        } else {
+            Err(SceneError::Malformed {
+                source_name: name_or_path.into(),
+                kind: "scene",
+                reason: "it is neither glTF (.gltf, .glb) nor a PNG or JPEG image".into(),
+            })
+        }
+    }
+
+    /// Loads it, photographs with default [`PhotoOptions`].
+    pub fn load(&self) -> Result<LoadedScene, SceneError> {
+        match self {
+            Self::BuiltIn(scene) => Ok(LoadedScene::Model(Box::new(scene.build()?))),
+            Self::Model(path) => Ok(LoadedScene::Model(Box::new(load_gltf(path)?))),
+            Self::Photo { path, depth } => {
+                let photo = load_photo(path, depth.as_deref(), &PhotoOptions::default())?;
+                Ok(LoadedScene::Photo(Box::new(photo)))
+            }
+        }
+    }
+
+    /// [`SceneSource::parse`], then [`SceneSource::load`].
+    pub fn resolve(name_or_path: &str, depth: Option<&Path>) -> Result<LoadedScene, SceneError> {
+        Self::parse(name_or_path, depth)?.load()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_names_resolve_and_unknown_ones_list_them() {
+        for scene in BuiltIn::ALL {
+            assert_eq!(
+                SceneSource::parse(scene.name(), None),
+                Ok(SceneSource::BuiltIn(scene))
+            );
+            assert!(!scene.description().is_empty());
+        }
+        let message = SceneSource::parse("kitchen", None).unwrap_err().to_string();
+        assert!(
+            message.contains("\"kitchen\"") && message.contains("room, chart"),
+            "{message}"
+        );
+        assert!(SceneSource::parse("room", Some(Path::new("d.png"))).is_err());
+        let message = SceneSource::parse("no/such.glb", None)
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("does not exist"), "{message}");
+    }
+
+    #[test]
+    fn content_decides_over_the_extension() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path.display().to_string()
+        };
+        let photo = folder.path().join("photo.dat");
+        image::RgbImage::new(32, 32)
+            .save_with_format(&photo, image::ImageFormat::Png)
+            .unwrap();
+        let loaded = SceneSource::resolve(&photo.display().to_string(), Some(&photo)).unwrap_err();
+        assert!(
+            loaded.to_string().contains("in colour"),
+            "the photo itself is no depth image"
+        );
+        assert!(matches!(
+            SceneSource::resolve(&photo.display().to_string(), None),
+            Ok(LoadedScene::Photo(_))
+        ));
+        let text = write("notes.txt", b"hello");
+        assert!(
+            SceneSource::parse(&text, None)
+                .unwrap_err()
+                .to_string()
+                .contains("neither glTF")
+        );
+        let fake = write("fake.png", b"hello");
+        assert!(
+            SceneSource::resolve(&fake, None)
+                .unwrap_err()
+                .to_string()
+                .contains("neither PNG")
+        );
+        let empty = write("empty.glb", b"");
+        assert!(
+            SceneSource::resolve(&empty, None)
+                .unwrap_err()
+                .to_string()
+                .contains("is empty")
+        );
+        let folder_error =
+            SceneSource::resolve(&folder.path().display().to_string(), None).unwrap_err();
+        assert!(
+            folder_error.to_string().contains("cannot be read"),
+            "{folder_error}"
+        );
+    }
+}

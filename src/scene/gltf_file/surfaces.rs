@@ -1,0 +1,199 @@
+//! Materials and textures of a glTF file.
+
+use super::super::model::{Alpha, SceneError, SceneMaterial, SceneTexture};
+use super::super::photo::{decode_image, read_file};
+use super::{EMISSION_CD_M2, Source};
+use gltf::texture::WrappingMode;
+use gltf::{Document, Texture, image};
+use std::collections::HashMap;
+
+/// Largest sum of texels over all textures: 1 GiB as RGBA.
+const MAX_TOTAL_TEXELS: u64 = 256 << 20;
+
+/// Textures read so far, by image, encoding and wrapping.
+#[derive(Default)]
+struct Shelf {
+    textures: Vec<SceneTexture>,
+    place: HashMap<(usize, bool, bool), usize>,
+    texels: u64,
+}
+
+/// All materials of a document in its order, and the textures that they use.
+pub(super) fn read(
+    document: &Document,
+    source: &Source,
+) -> Result<(Vec<SceneMaterial>, Vec<SceneTexture>), SceneError> {
+    let mut shelf = Shelf::default();
+    let materials = document
+        .materials()
+        .map(|material| read_material(&material, source, &mut shelf))
+        .collect::<Result<_, _>>()?;
+    Ok((materials, shelf.textures))
+}
+
+fn read_material(
+    material: &gltf::Material,
+    source: &Source,
+    shelf: &mut Shelf,
+) -> Result<SceneMaterial, SceneError> {
+    let surface = material.pbr_metallic_roughness();
+    let mut texture = |texture: Option<Texture>, srgb: bool| {
+        texture.map(|t| shelf.read(&t, srgb, source)).transpose()
+    };
+    let finite = |value: f32, low: f32, high: f32| {
+        if value.is_finite() {
+            value.clamp(low, high)
+        } else {
+            low
+        }
+    };
+    let read = SceneMaterial {
+        name: material.name().unwrap_or("unnamed").into(),
+        base_color: surface.base_color_factor().map(|c| finite(c, 0.0, 1.0)),
+        metallic: finite(surface.metallic_factor(), 0.0, 1.0),
+        roughness: finite(surface.roughness_factor(), 0.0, 1.0),
+        emissive: material
+            .emissive_factor()
+            .map(|e| finite(e, 0.0, 1e4) * EMISSION_CD_M2),
+        base_color_texture: texture(surface.base_color_texture().map(|t| t.texture()), true)?,
+        emissive_texture: texture(material.emissive_texture().map(|t| t.texture()), true)?,
+        metallic_roughness_texture: texture(
+            surface.metallic_roughness_texture().map(|t| t.texture()),
+            false,
+        )?,
+        normal_texture: texture(material.normal_texture().map(|t| t.texture()), false)?,
+        alpha: match material.alpha_mode() {
+            gltf::material::AlphaMode::Opaque => Alpha::Opaque,
+            gltf::material::AlphaMode::Mask => {
+                Alpha::Mask(finite(material.alpha_cutoff().unwrap_or(0.5), 0.0, 1.0))
+            }
+            gltf::material::AlphaMode::Blend => Alpha::Blend,
+        },
+        double_sided: material.double_sided(),
+    };
+    Ok(read)
+}
+
+impl Shelf {
+    fn read(
+        &mut self,
+        texture: &Texture,
+        srgb: bool,
+        source: &Source,
+    ) -> Result<usize, SceneError> {
+        let image = texture.source();
+        let repeat = texture.sampler().wrap_s() != WrappingMode::ClampToEdge;
+        let key = (image.index(), srgb, repeat);
+        if let Some(&index) = self.place.get(&key) {
+            return Ok(index);
+        }
+        let name = format!("{} (image {})", source.name, image.index());
+        let decoded = match image.source() {
+            image::Source::View { view, .. } => decode_image(source.view(&view)?, &name, 1)?,
+            image::Source::Uri { uri, .. } => decode_image(&fetch(uri, source)?, &name, 1)?,
+        };
+        let rgba = decoded.into_rgba8();
+        self.texels += u64::from(rgba.width()) * u64::from(rgba.height());
+        if self.texels > MAX_TOTAL_TEXELS {
+            return Err(source.content(format!(
+                "its textures have more than {MAX_TOTAL_TEXELS} texels in all"
+            )));
+        }
+        self.textures.push(SceneTexture {
+            width: rgba.width(),
+            height: rgba.height(),
+            rgba8: rgba.into_raw(),
+            srgb,
+            repeat,
+        });
+        self.place.insert(key, self.textures.len() - 1);
+        Ok(self.textures.len() - 1)
+    }
+}
+
+/// The bytes behind an image's URI: inline data, or a file beside the scene.
+fn fetch(uri: &str, source: &Source) -> Result<Vec<u8>, SceneError> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
+        let decoded = encoded.and_then(base64_decode);
+        return decoded.ok_or_else(|| source.malformed("an inline image is not valid base64"));
+    }
+    let Some(base) = source.base else {
+        return Err(source.malformed(format!(
+            "it refers to the file \"{uri}\", which a lone file cannot bring along"
+        )));
+    };
+    if uri.contains("://") {
+        return Err(source.malformed(format!(
+            "it refers to \"{uri}\", but only files beside it are read"
+        )));
+    }
+    read_file(&base.join(percent_decode(uri)))
+}
+
+/// RFC 4648, section 4; white space is not allowed.
+pub(super) fn base64_decode(text: &str) -> Option<Vec<u8>> {
+    let digits = text.trim_end_matches('=').as_bytes();
+    let mut bytes = Vec::with_capacity(digits.len() * 3 / 4);
+    let (mut bits, mut count) = (0u32, 0);
+    for &digit in digits {
+        let value = match digit {
+            b'A'..=b'Z' => digit - b'A',
+            b'a'..=b'z' => digit - b'a' + 26,
+            b'0'..=b'9' => digit - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            _ => return None,
+        };
+        bits = bits << 6 | u32::from(value);
+        count += 6;
+        if count >= 8 {
+            count -= 8;
+            bytes.push((bits >> count) as u8);
+        }
+    }
+    Some(bytes)
+}
+
+/// RFC 3986, section 2.1; what is not an escape stays as it is.
+fn percent_decode(uri: &str) -> String {
+    let bytes = uri.as_bytes();
+    let (mut decoded, mut at) = (Vec::with_capacity(bytes.len()), 0);
+    while at < bytes.len() {
+        let escape = uri.get(at + 1..at + 3).filter(|_| bytes[at] == b'%');
+        if let Some(value) = escape.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            decoded.push(value);
+            at += 3;
+        } else {
+            decoded.push(bytes[at]);
+            at += 1;
+        }
+    }
+    String::from_utf8_lossy(&decoded).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_meets_the_vectors_of_rfc_4648() {
+        for (text, plain) in [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYmE=", "fooba"),
+            ("Zm9vYmFy", "foobar"),
+        ] {
+            assert_eq!(base64_decode(text).unwrap(), plain.as_bytes());
+        }
+        assert_eq!(base64_decode("Zm9*"), None);
+    }
+
+    #[test]
+    fn escapes_in_file_names_are_decoded() {
+        assert_eq!(percent_decode("a%20b%C3%A9.png"), "a bé.png");
+        assert_eq!(percent_decode("100%.png"), "100%.png");
+    }
+}

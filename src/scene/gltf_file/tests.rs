@@ -1,0 +1,265 @@
+use super::*;
+use proptest::prelude::*;
+
+/// A GLB file from JSON and a binary chunk.
+fn glb(json: &str, blob: &[u8]) -> Vec<u8> {
+    let pad = |mut bytes: Vec<u8>, with: u8| {
+        bytes.resize(bytes.len().next_multiple_of(4), with);
+        bytes
+    };
+    let (json, blob) = (pad(json.as_bytes().to_vec(), b' '), pad(blob.to_vec(), 0));
+    let total = 12 + 8 + json.len() + 8 + blob.len();
+    let mut file = b"glTF".to_vec();
+    file.extend([2u32, total as u32].map(u32::to_le_bytes).concat());
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", blob)] {
+        file.extend((chunk.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(chunk);
+    }
+    file
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+/// A unit quad in z = 0 with four positions and a strip of `indices`.
+fn quad_json(
+    node: &str,
+    mode: u32,
+    index_type: u32,
+    index_count: usize,
+    index_bytes: usize,
+) -> String {
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{node}],
+        "meshes":[{{"name":"quad","primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"mode":{mode}}}]}}],
+        "buffers":[{{"byteLength":{}}}],
+        "bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":{index_bytes}}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},
+        {{"bufferView":1,"componentType":{index_type},"count":{index_count},"type":"SCALAR"}}]}}"#,
+        48 + index_bytes
+    )
+}
+
+const CORNERS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
+
+fn strip(node: &str) -> Vec<u8> {
+    let blob = [floats(&CORNERS), vec![0, 1, 2, 3]].concat();
+    glb(&quad_json(node, 5, 5121, 4, 4), &blob)
+}
+
+fn message(bytes: &[u8]) -> String {
+    let text = load_gltf_bytes(bytes, "a.glb").unwrap_err().to_string();
+    assert!(
+        text.contains("a.glb") && text.ends_with('.') && !text.contains('\n'),
+        "{text}"
+    );
+    text
+}
+
+fn area(scene: &SceneModel) -> f32 {
+    let mesh = &scene.meshes[0];
+    let corner = |i: u32| Vec3::from(mesh.positions[i as usize]);
+    let doubled = |t: &[u32]| {
+        (corner(t[1]) - corner(t[0]))
+            .cross(corner(t[2]) - corner(t[0]))
+            .length()
+    };
+    mesh.indices.chunks(3).map(|t| 0.5 * doubled(t)).sum()
+}
+
+#[test]
+fn strips_fans_and_all_index_widths_give_the_same_quad() {
+    let fan = [0u16, 1, 3, 2]
+        .iter()
+        .flat_map(|i| i.to_le_bytes())
+        .collect::<Vec<_>>();
+    let list = [0u32, 1, 2, 2, 1, 3]
+        .iter()
+        .flat_map(|i| i.to_le_bytes())
+        .collect::<Vec<_>>();
+    let node = r#"{"mesh":0}"#;
+    let files = [
+        strip(node),
+        glb(
+            &quad_json(node, 6, 5123, 4, 8),
+            &[floats(&CORNERS), fan].concat(),
+        ),
+        glb(
+            &quad_json(node, 4, 5125, 6, 24),
+            &[floats(&CORNERS), list].concat(),
+        ),
+    ];
+    for file in files {
+        let scene = load_gltf_bytes(&file, "quad.glb").unwrap();
+        assert_eq!(scene.triangle_count(), 2);
+        assert!((area(&scene) - 1.0).abs() < 1e-6);
+        // No normals in the file: flat ones, facing +z as the winding says.
+        assert!(
+            scene.meshes[0]
+                .normals
+                .iter()
+                .all(|n| (n[2] - 1.0).abs() < 1e-6)
+        );
+        assert!(scene.mean_luminance_cd_m2 > 0.0 && !scene.lights.is_empty());
+    }
+}
+
+#[test]
+fn node_transforms_and_mirrors_are_applied() {
+    let scene = load_gltf_bytes(
+        &strip(r#"{"mesh":0,"translation":[5,6,7],"scale":[-2,3,1]}"#),
+        "m.glb",
+    )
+    .unwrap();
+    assert!((area(&scene) - 6.0).abs() < 1e-5);
+    assert_eq!(scene.bounds(), Some(([3.0, 6.0, 7.0], [5.0, 9.0, 7.0])));
+    // The mirror swaps the winding, so the quad still faces +z.
+    assert!(scene.meshes[0].normals.iter().all(|n| n[2] > 0.99));
+}
+
+#[test]
+fn without_a_camera_the_scene_fills_seventy_per_cent_of_the_view() {
+    let scene = load_gltf_bytes(&strip(r#"{"mesh":0}"#), "quad.glb").unwrap();
+    let eye = Vec3::from(scene.eye.position_m);
+    assert!((eye - Vec3::new(0.5, 0.5, eye.z)).length() < 1e-6);
+    let filled = 0.5 / eye.z / (25.0f32.to_radians()).tan();
+    assert!((filled - 0.7).abs() < 1e-4, "{filled}");
+}
+
+#[test]
+fn the_first_camera_becomes_the_eye_and_lights_keep_their_units() {
+    let json = quad_json(r#"{"mesh":0},{"camera":0,"translation":[0,1,2],"rotation":[0,1,0,0]},
+        {"extensions":{"KHR_lights_punctual":{"light":0}},"translation":[0,3,0]}"#, 5, 5121, 4, 4)
+        .replace(r#""nodes":[0]"#, r#""nodes":[0,1,2]"#)
+        .replacen('{', r#"{"cameras":[{"type":"perspective","perspective":{"yfov":0.8,"znear":0.1,"aspectRatio":1.5}}],
+        "extensionsUsed":["KHR_lights_punctual"],
+        "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":10,"color":[1,0.5,0.2]}]}},"#, 1);
+    let scene = load_gltf_bytes(
+        &glb(&json, &[floats(&CORNERS), vec![0, 1, 2, 3]].concat()),
+        "c.glb",
+    )
+    .unwrap();
+    assert_eq!(scene.eye.position_m, [0.0, 1.0, 2.0]);
+    // Half a turn about y: the camera's −z becomes +z.
+    assert!((Vec3::from(scene.eye.forward) - Vec3::Z).length() < 1e-6);
+    assert!((scene.eye.vertical_fov_deg - 0.8f32.to_degrees()).abs() < 1e-4);
+    let horizontal = 2.0 * (0.4f32.tan() * 1.5).atan();
+    assert!((scene.eye.horizontal_fov_deg - horizontal.to_degrees()).abs() < 1e-3);
+    match scene.lights[..] {
+        [
+            SceneLight::Point {
+                position,
+                intensity_lm,
+                ..
+            },
+        ] => {
+            assert_eq!(position, [0.0, 3.0, 0.0]);
+            assert!((intensity_lm - 40.0 * PI).abs() < 1e-3, "10 cd all around");
+        }
+        _ => panic!("{:?}", scene.lights),
+    }
+}
+
+#[test]
+fn inline_textures_are_decoded_and_shared() {
+    // A 1×1 red PNG.
+    let red = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8DwHwAFBQIAX8jx0gAAAABJRU5ErkJggg==";
+    let json = quad_json(r#"{"mesh":0}"#, 5, 5121, 4, 4)
+        .replace(r#""mode":5"#, r#""mode":5,"material":0"#)
+        .replacen('{', &format!(r#"{{"images":[{{"uri":"data:image/png;base64,{red}"}}],"textures":[{{"source":0}}],
+        "materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}},"emissiveTexture":{{"index":0}},
+        "normalTexture":{{"index":0}},"alphaMode":"MASK","alphaCutoff":0.3,"doubleSided":true}}],"#), 1);
+    let scene = load_gltf_bytes(
+        &glb(&json, &[floats(&CORNERS), vec![0, 1, 2, 3]].concat()),
+        "t.glb",
+    )
+    .unwrap();
+    let material = &scene.materials[0];
+    assert_eq!(
+        (
+            material.base_color_texture,
+            material.emissive_texture,
+            material.normal_texture
+        ),
+        (Some(0), Some(0), Some(1))
+    );
+    assert_eq!(
+        (material.alpha, material.double_sided),
+        (super::super::model::Alpha::Mask(0.3), true)
+    );
+    assert_eq!(
+        (
+            scene.textures[0].width,
+            scene.textures[0].srgb,
+            scene.textures[1].srgb
+        ),
+        (1, true, false)
+    );
+}
+
+#[test]
+fn each_bad_file_gets_its_own_sentence() {
+    let node = r#"{"mesh":0}"#;
+    assert!(message(b"hello, this is not a model").contains("glTF file"));
+    assert!(message(&strip(node)[..200]).contains("glTF file"));
+    assert!(message(&[]).contains("is empty"));
+    let no_mesh = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[]}],"scene":0}"#;
+    assert!(message(no_mesh).contains("no meshes"));
+    let mut corners = CORNERS;
+    corners[7] = f32::NAN;
+    let bad = glb(
+        &quad_json(node, 5, 5121, 4, 4),
+        &[floats(&corners), vec![0, 1, 2, 3]].concat(),
+    );
+    let text = message(&bad);
+    assert!(
+        text.contains("\"quad\"") && text.contains("vertex 2"),
+        "{text}"
+    );
+    let bad = glb(
+        &quad_json(node, 5, 5121, 4, 4),
+        &[floats(&CORNERS), vec![0, 1, 2, 9]].concat(),
+    );
+    assert!(message(&bad).contains("index 9"));
+    let bad = glb(
+        &quad_json(node, 5, 5121, 4000, 4),
+        &[floats(&CORNERS), vec![0, 1, 2, 3]].concat(),
+    );
+    assert!(message(&bad).contains("beyond"));
+    let bad = glb(
+        &quad_json(node, 5, 5126, 4, 16),
+        &[floats(&CORNERS), vec![0; 16]].concat(),
+    );
+    assert!(message(&bad).contains("accessor 1") || message(&bad).contains("glTF file"));
+    let cycle = strip(r#"{"mesh":0,"children":[0]}"#);
+    assert!(message(&cycle).contains("loop"));
+    let huge = strip(r#"{"mesh":0,"scale":[1e38,1e38,1e38],"translation":[3.4e38,3.4e38,0]}"#);
+    assert!(message(&huge).contains("finite"));
+    let elsewhere = strip(node);
+    let text = String::from_utf8_lossy(&elsewhere[20..]).into_owned();
+    let json = text
+        .split("BIN")
+        .next()
+        .unwrap()
+        .trim_end_matches(|c| c != '}')
+        .replace(r#""byteLength":52"#, r#""byteLength":52,"uri":"q.bin""#);
+    assert!(message(json.as_bytes()).contains("glTF file"));
+    let error = load_gltf(Path::new("/no/such.glb")).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "The scene file \"/no/such.glb\" does not exist."
+    );
+}
+
+proptest! {
+    #[test]
+    fn truncated_or_damaged_files_never_panic(cut in 0usize..1200, at in 0usize..1200, value: u8) {
+        let mut file = strip(r#"{"mesh":0}"#);
+        let at = at.min(file.len() - 1);
+        file[at] = value;
+        file.truncate(file.len().saturating_sub(cut % 7 * cut));
+        let _ = load_gltf_bytes(&file, "damaged.glb");
+    }
+}

@@ -1,0 +1,25 @@
+//! What is looked at: the built-in room and chart, glTF models and photographs.
+//!
+//! Enters: a name or a file. Leaves: plain data ([`model::SceneModel`] or
+//! [`photo::PhotoScene`]) in world metres, y up, right-handed, luminances in cd/m²; nothing here
+//! knows of Bevy or of a GPU.
+//!
+//! - [`model`]: the data and its invariants, [`model::SceneError`]
+//! - [`catalog`]: from a name or a path to a loaded scene
+//! - [`room`]: the furnished room and the clinic corridor with the eye chart
+//! - [`gltf_file`], [`photo`]: the user's own scenes
+//! - [`shapes`], [`organic`], [`paint`], [`text`]: what the built-in scenes are made with
+//! - [`trace`]: rays into a scene: distances, baked ambient occlusion, mean luminance
+
+pub mod catalog;
+pub mod gltf_file;
+pub mod model;
+pub mod organic;
+pub mod paint;
+pub mod photo;
+pub mod photo_view;
+pub mod room;
+pub mod shapes;
+pub mod spawn;
+pub mod text;
+pub mod trace;

@@ -1,0 +1,220 @@
+//! A scene model as Bevy entities on a layer of their own.
+//!
+//! Enters: [`SceneModel`] (world metres, absolute photometry). Leaves: meshes
+//! with standard materials and lights that only the view's camera sees.
+
+use super::model::{Alpha, SceneLight, SceneMaterial, SceneMesh, SceneModel, SceneTexture};
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
+use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::light::{CascadeShadowConfigBuilder, DirectionalLight, PointLight};
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy::render::render_resource::{
+    Extent3d, Face, TextureDimension, TextureFormat, TextureUsages,
+};
+
+/// Layer of everything that is looked at.
+pub const SCENE_LAYER: usize = 1;
+
+/// Marks what belongs to the scene that is looked at.
+#[derive(Component)]
+pub struct ScenePart;
+
+/// Spawns the whole model.
+pub fn spawn_model(
+    model: &SceneModel,
+    commands: &mut Commands,
+    meshes: &mut Assets<Mesh>,
+    materials: &mut Assets<StandardMaterial>,
+    images: &mut Assets<Image>,
+) {
+    let textures: Vec<Handle<Image>> = model
+        .textures
+        .iter()
+        .map(|texture| images.add(texture_image(texture)))
+        .collect();
+    let handles: Vec<Handle<StandardMaterial>> = model
+        .materials
+        .iter()
+        .map(|material| materials.add(standard_material(material, &textures)))
+        .collect();
+    for mesh in &model.meshes {
+        let with_normal_map = model.materials[mesh.material].normal_texture.is_some();
+        commands.spawn((
+            ScenePart,
+            Mesh3d(meshes.add(bevy_mesh(mesh, with_normal_map))),
+            MeshMaterial3d(handles[mesh.material].clone()),
+            NoFrustumCulling,
+            RenderLayers::layer(SCENE_LAYER),
+        ));
+    }
+    for light in &model.lights {
+        spawn_light(light, commands);
+    }
+}
+
+fn spawn_light(light: &SceneLight, commands: &mut Commands) {
+    let layer = RenderLayers::layer(SCENE_LAYER);
+    match *light {
+        SceneLight::Point {
+            position,
+            color,
+            intensity_lm,
+            range,
+            shadows,
+        } => {
+            commands.spawn((
+                ScenePart,
+                PointLight {
+                    color: linear(color),
+                    intensity: intensity_lm,
+                    range,
+                    shadow_maps_enabled: shadows,
+                    ..default()
+                },
+                Transform::from_translation(position.into()),
+                layer,
+            ));
+        }
+        SceneLight::Directional {
+            direction,
+            color,
+            illuminance_lux,
+            shadows,
+        } => {
+            let direction = Vec3::from(direction).normalize_or(Vec3::NEG_Y);
+            commands.spawn((
+                ScenePart,
+                DirectionalLight {
+                    color: linear(color),
+                    illuminance: illuminance_lux,
+                    shadow_maps_enabled: shadows,
+                    ..default()
+                },
+                CascadeShadowConfigBuilder {
+                    num_cascades: 1,
+                    maximum_distance: 12.0,
+                    ..default()
+                }
+                .build(),
+                Transform::default().looking_to(direction, direction.any_orthonormal_vector()),
+                layer,
+            ));
+        }
+        // The camera carries the ambient light.
+        SceneLight::Ambient { .. } => {}
+    }
+}
+
+/// The sum of the scene's ambient lights as (linear colour, cd/m²).
+pub fn ambient(model: &SceneModel) -> (Color, f32) {
+    let total = model
+        .lights
+        .iter()
+        .filter_map(|light| match light {
+            SceneLight::Ambient { color, brightness } => Some(Vec3::from(*color) * *brightness),
+            _ => None,
+        })
+        .sum::<Vec3>();
+    let brightness = total.max_element().max(1e-6);
+    (linear((total / brightness).into()), brightness)
+}
+
+fn linear(color: [f32; 3]) -> Color {
+    Color::linear_rgb(color[0], color[1], color[2])
+}
+
+fn bevy_mesh(mesh: &SceneMesh, with_normal_map: bool) -> Mesh {
+    let count = mesh.positions.len();
+    // Every mesh has the same attributes, so that one pipeline draws them all.
+    let mut out = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, mesh.normals.clone())
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_UV_0,
+            mesh.uvs.clone().unwrap_or_else(|| vec![[0.0; 2]; count]),
+        )
+        .with_inserted_attribute(
+            Mesh::ATTRIBUTE_COLOR,
+            mesh.colors.clone().unwrap_or_else(|| vec![[1.0; 4]; count]),
+        )
+        .with_inserted_indices(Indices::U32(mesh.indices.clone()));
+    if with_normal_map && let Err(error) = out.generate_tangents() {
+        warn!("mesh {:?} is drawn without its normal map: {error}", mesh.name);
+    }
+    out
+}
+
+fn standard_material(material: &SceneMaterial, textures: &[Handle<Image>]) -> StandardMaterial {
+    let texture = |index: Option<usize>| index.and_then(|index| textures.get(index).cloned());
+    let [r, g, b, a] = material.base_color;
+    StandardMaterial {
+        base_color: Color::linear_rgba(r, g, b, a),
+        base_color_texture: texture(material.base_color_texture),
+        emissive: LinearRgba::rgb(
+            material.emissive[0],
+            material.emissive[1],
+            material.emissive[2],
+        ),
+        emissive_exposure_weight: 1.0,
+        emissive_texture: texture(material.emissive_texture),
+        metallic: material.metallic,
+        perceptual_roughness: material.roughness.clamp(0.089, 1.0),
+        metallic_roughness_texture: texture(material.metallic_roughness_texture),
+        normal_map_texture: texture(material.normal_texture),
+        alpha_mode: match material.alpha {
+            Alpha::Opaque => AlphaMode::Opaque,
+            Alpha::Mask(cutoff) => AlphaMode::Mask(cutoff),
+            Alpha::Blend => AlphaMode::Blend,
+        },
+        double_sided: material.double_sided,
+        cull_mode: if material.double_sided {
+            None
+        } else {
+            Some(Face::Back)
+        },
+        ..default()
+    }
+}
+
+fn texture_image(texture: &SceneTexture) -> Image {
+    let mut data = texture.rgba8.clone();
+    let mut levels = 1;
+    for (_, _, level) in texture.mip_levels() {
+        data.extend_from_slice(&level);
+        levels += 1;
+    }
+    let mut image = Image::new_uninit(
+        Extent3d {
+            width: texture.width,
+            height: texture.height,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        if texture.srgb {
+            TextureFormat::Rgba8UnormSrgb
+        } else {
+            TextureFormat::Rgba8Unorm
+        },
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.data = Some(data);
+    image.texture_descriptor.mip_level_count = levels;
+    image.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+    let address = if texture.repeat {
+        ImageAddressMode::Repeat
+    } else {
+        ImageAddressMode::ClampToEdge
+    };
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+        address_mode_u: address,
+        address_mode_v: address,
+        mag_filter: ImageFilterMode::Linear,
+        min_filter: ImageFilterMode::Linear,
+        mipmap_filter: ImageFilterMode::Linear,
+        anisotropy_clamp: 8,
+        ..default()
+    });
+    image
+}

@@ -1,0 +1,170 @@
+//! The shaders, carried inside the program: each entry file behind the
+//! library files that it calls, as one text.
+//!
+//! `shaders/lib` is plain WGSL without imports or conditionals, so that joining
+//! texts is all the composition it needs, here and under any later composer.
+
+use bevy::app::{App, Plugin};
+use bevy::asset::{Assets, Handle, uuid_handle};
+use bevy::shader::Shader;
+
+macro_rules! library {
+    ($name:literal) => {
+        include_str!(concat!("../shaders/lib/", $name, ".wgsl"))
+    };
+}
+
+/// Every file of `shaders/lib` as (name, text), for tests and for other programs.
+pub const LIBRARY: &[(&str, &str)] = &[
+    ("conicoid", library!("conicoid")),
+    ("snell", library!("snell")),
+    ("fresnel", library!("fresnel")),
+    ("cornea", library!("cornea")),
+    ("fermat", library!("fermat")),
+    ("caustic", library!("caustic")),
+    ("defocus", library!("defocus")),
+    ("microfacet", library!("microfacet")),
+    ("output", library!("output")),
+    ("globe", library!("globe")),
+    ("slab", library!("slab")),
+    ("retinal_blur", library!("retinal_blur")),
+    ("fast_strength", library!("fast_strength")),
+    ("sharpness_key", library!("sharpness_key")),
+    ("sharpness_voxel", library!("sharpness_voxel")),
+    ("gaussian_disc", library!("gaussian_disc")),
+    ("eyelid_view", library!("eyelid_view")),
+];
+
+/// One shader: its handle, its name, its library files and its entry files.
+pub struct Source {
+    /// The handle under which the materials and pipelines find it.
+    pub handle: Handle<Shader>,
+    /// Its name in messages.
+    pub name: &'static str,
+    /// The library files, in order.
+    pub library: &'static [&'static str],
+    /// The entry texts, in order.
+    pub entry: &'static [&'static str],
+}
+
+impl Source {
+    /// The whole text.
+    pub fn text(&self) -> String {
+        let library = self.library.iter().filter_map(|wanted| {
+            LIBRARY
+                .iter()
+                .find(|(name, _)| name == wanted)
+                .map(|(_, text)| *text)
+        });
+        // WGSL does not care for order; the entry leads because composers read imports from the top.
+        let mut text = String::new();
+        for part in self.entry.iter().copied().chain(library) {
+            text.push_str(part);
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// The globe's shader.
+pub const GLOBE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0001");
+/// The skin's shader.
+pub const SKIN: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0002");
+/// The hair's shader.
+pub const HAIR: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0003");
+/// The meniscus' shader.
+pub const MENISCUS: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0004");
+/// The view's shader that makes it static.
+pub const CAPTURE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0005");
+/// The feature detector.
+pub const FEATURES: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0006");
+/// The sharpness field.
+pub const FIELD: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0007");
+/// The picture of the view.
+pub const GATHER: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0008");
+
+const PERCEPT: &str = include_str!("../shaders/view/percept_uniform.wgsl");
+const VISUAL_FIELD: &str = include_str!("../shaders/view/visual_field.wgsl");
+const COMMON: &str = include_str!("../shaders/eye/common.wgsl");
+
+/// Every shader of the program.
+pub const SOURCES: &[Source] = &[
+    Source {
+        handle: GLOBE,
+        name: "ocularium/globe.wgsl",
+        library: &[
+            "conicoid",
+            "snell",
+            "fresnel",
+            "cornea",
+            "fermat",
+            "caustic",
+            "microfacet",
+            "output",
+        ],
+        entry: &[COMMON, include_str!("../shaders/eye/globe.wgsl")],
+    },
+    Source {
+        handle: SKIN,
+        name: "ocularium/skin.wgsl",
+        library: &["fresnel", "microfacet", "output"],
+        entry: &[COMMON, include_str!("../shaders/eye/skin.wgsl")],
+    },
+    Source {
+        handle: HAIR,
+        name: "ocularium/hair.wgsl",
+        library: &["output"],
+        entry: &[COMMON, include_str!("../shaders/eye/hair.wgsl")],
+    },
+    Source {
+        handle: MENISCUS,
+        name: "ocularium/meniscus.wgsl",
+        library: &["fresnel", "output"],
+        entry: &[COMMON, include_str!("../shaders/eye/meniscus.wgsl")],
+    },
+    Source {
+        handle: CAPTURE,
+        name: "ocularium/capture.wgsl",
+        library: &["retinal_blur", "output"],
+        entry: &[PERCEPT, include_str!("../shaders/view/capture.wgsl")],
+    },
+    Source {
+        handle: FEATURES,
+        name: "ocularium/features.wgsl",
+        library: &["fast_strength"],
+        entry: &[PERCEPT, include_str!("../shaders/view/features.wgsl")],
+    },
+    Source {
+        handle: FIELD,
+        name: "ocularium/field_update.wgsl",
+        library: &["retinal_blur", "defocus", "sharpness_key", "sharpness_voxel"],
+        entry: &[
+            PERCEPT,
+            VISUAL_FIELD,
+            include_str!("../shaders/view/field_update.wgsl"),
+        ],
+    },
+    Source {
+        handle: GATHER,
+        name: "ocularium/gather.wgsl",
+        library: &["retinal_blur", "gaussian_disc", "eyelid_view", "output"],
+        entry: &[
+            PERCEPT,
+            VISUAL_FIELD,
+            include_str!("../shaders/view/gather.wgsl"),
+        ],
+    },
+];
+
+/// Puts every shader into the app.
+pub struct ShadersPlugin;
+
+impl Plugin for ShadersPlugin {
+    fn build(&self, app: &mut App) {
+        let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
+        for source in SOURCES {
+            // A handle by UUID can always be inserted under.
+            let _ = shaders.insert(source.handle.id(), Shader::from_wgsl(source.text(), source.name));
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Light in a homogeneous layer, in closed form.
+//!
+//! In: coefficients (mm⁻¹), thickness or path (mm), cosines to the layer's normal. Out: what passes,
+//! what returns after one scattering, and what returns and passes after any number.
+//!
+//! [`slab_transmittance`] and [`slab_single_scatter`] have twins in `shaders/lib/slab.wgsl`, one
+//! colour a channel. [`slab_two_flux`] is the multiply-scattered estimate: the two-flux equations of
+//! Kubelka & Munk with K = 2 σ_a and S = ¾ σ_s′ (van Gemert & Star 1987, for σ_a ≪ σ_s′), diffuse
+//! light in and out. Against a Monte Carlo it is within 0.02 of the true albedo up to an optical
+//! depth of 4 (see the tests); single scattering alone misses most of a pale iris's light.
+
+use glam::DVec3;
+
+/// Fraction of light that passes `path` millimetres (Beer and Lambert).
+pub fn slab_transmittance(extinction: DVec3, path: f64) -> DVec3 {
+    (-extinction * path).exp()
+}
+
+/// π × BRDF of a layer over black for light scattered once, isotropically: light enters at `cos_in`
+/// and leaves at `cos_out` to the layer's normal.
+pub fn slab_single_scatter(
+    extinction: DVec3,
+    scattering: DVec3,
+    thickness: f64,
+    cos_in: f64,
+    cos_out: f64,
+) -> DVec3 {
+    if cos_in <= 0.0 || cos_out <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let slant = 1.0 / cos_in + 1.0 / cos_out;
+    let integral = extinction.map(|k| slab_decay_integral(k * slant, thickness));
+    scattering * integral / (4.0 * cos_in * cos_out)
+}
+
+/// `∫₀^d e^{−k z} dz`.
+fn slab_decay_integral(k: f64, d: f64) -> f64 {
+    if k > 0.0 { -(-k * d).exp_m1() / k } else { d }
+}
+
+/// Reflectance and transmittance of a layer for diffuse light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoFlux {
+    /// Fraction returned, 0 to 1.
+    pub reflectance: f64,
+    /// Fraction passed, 0 to 1; the rest is absorbed.
+    pub transmittance: f64,
+}
+
+impl TwoFlux {
+    /// This layer on top of `below`, with all reflections between them.
+    pub fn over(self, below: Self) -> Self {
+        let between = 1.0 / (1.0 - self.reflectance * below.reflectance).max(1e-12);
+        Self {
+            reflectance: self.reflectance
+                + self.transmittance.powi(2) * below.reflectance * between,
+            transmittance: self.transmittance * below.transmittance * between,
+        }
+    }
+}
+
+/// The two-flux layer: `absorption` σ_a and reduced scattering σ_s′ in mm⁻¹ (not negative),
+/// `thickness` in mm.
+pub fn slab_two_flux(absorption: f64, reduced_scattering: f64, thickness: f64) -> TwoFlux {
+    let (k, s) = (2.0 * absorption, 0.75 * reduced_scattering);
+    let kappa = (k * (k + 2.0 * s)).sqrt();
+    // tanh(κ d)/κ, finite where κ vanishes and where κ d is large.
+    let depth = if kappa * thickness > 1e-6 {
+        (kappa * thickness).tanh() / kappa
+    } else {
+        thickness
+    };
+    let denominator = (k + s) * depth + 1.0;
+    TwoFlux {
+        reflectance: s * depth / denominator,
+        transmittance: 1.0 / ((kappa * thickness).cosh() * denominator),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn transmittance_multiplies_along_a_path() {
+        let k = DVec3::new(0.0, 1.0, 7.0);
+        let (a, b) = (slab_transmittance(k, 0.3), slab_transmittance(k, 0.5));
+        assert!((a * b).distance(slab_transmittance(k, 0.8)) < 1e-15);
+        assert_eq!(a.x, 1.0);
+    }
+
+    #[test]
+    fn single_scattering_equals_a_fine_march() {
+        let (extinction, scattering) = (DVec3::new(3.0, 9.0, 0.0), DVec3::new(2.0, 8.0, 5.0));
+        let (thickness, cos_in, cos_out) = (0.4, 0.8, 0.35);
+        let steps = 4096;
+        let mut march = DVec3::ZERO;
+        for i in 0..steps {
+            let z = (f64::from(i) + 0.5) * thickness / f64::from(steps);
+            let there = slab_transmittance(extinction, z / cos_in);
+            let back = slab_transmittance(extinction, z / cos_out);
+            march += scattering * there * back * thickness / f64::from(steps);
+        }
+        // Radiance L = ∫ σ_s/(4π) E T T dz/cos_out with E = 1 across the beam; BRDF = L/cos_in.
+        let expected = march / (4.0 * cos_in * cos_out);
+        let got = slab_single_scatter(extinction, scattering, thickness, cos_in, cos_out);
+        // Midpoint rule: (k h)²/24 with k = 37, h = 1e-4.
+        assert!(((got - expected) / expected).abs().max_element() < 1e-6);
+    }
+
+    #[test]
+    fn a_deep_layer_is_chandrasekhars_single_scattering() {
+        // ω/(4 (µ + µ₀)).
+        let got = slab_single_scatter(DVec3::splat(100.0), DVec3::splat(60.0), 50.0, 0.7, 0.4).x;
+        assert!((got - 0.6 / (4.0 * 1.1)).abs() < 1e-14);
+        assert_eq!(
+            slab_single_scatter(DVec3::ONE, DVec3::ONE, 1.0, 0.0, 0.4),
+            DVec3::ZERO
+        );
+    }
+
+    #[test]
+    fn two_flux_has_its_textbook_limits() {
+        // No absorption: R = S d/(1 + S d), T = 1 − R.
+        let pure = slab_two_flux(0.0, 4.0, 0.5);
+        assert!((pure.reflectance - 1.5 / 2.5).abs() < 1e-15);
+        assert!((pure.transmittance - 1.0 / 2.5).abs() < 1e-15);
+        // No scattering: T = e^{−K d}.
+        let clear = slab_two_flux(1.5, 0.0, 0.5);
+        assert!(clear.reflectance == 0.0 && (clear.transmittance - (-1.5_f64).exp()).abs() < 1e-15);
+        // Deep: R∞ = 1 + K/S − √(K²/S² + 2K/S).
+        let q = 2.0 * 0.5 / (0.75 * 6.0);
+        let deep = slab_two_flux(0.5, 6.0, 1e6);
+        assert!((deep.reflectance - (1.0 + q - f64::sqrt(q * q + 2.0 * q))).abs() < 1e-14);
+        assert_eq!(deep.transmittance, 0.0);
+        assert_eq!(
+            slab_two_flux(0.0, 0.0, 0.0),
+            TwoFlux {
+                reflectance: 0.0,
+                transmittance: 1.0
+            }
+        );
+    }
+
+    #[test]
+    fn stacking_two_halves_is_the_whole() {
+        let half = slab_two_flux(0.7, 5.0, 0.2);
+        let whole = slab_two_flux(0.7, 5.0, 0.4);
+        let stacked = half.over(half);
+        assert!((stacked.reflectance - whole.reflectance).abs() < 1e-14);
+        assert!((stacked.transmittance - whole.transmittance).abs() < 1e-14);
+    }
+
+    /// Reflectance of an isotropically scattering layer over black, diffuse light, by random walks.
+    fn walked_reflectance(absorption: f64, scattering: f64, thickness: f64) -> f64 {
+        let mut rng = Pcg64::seed_from_u64(9);
+        let (extinction, walks) = (absorption + scattering, 40_000);
+        let mut returned = 0.0;
+        for _ in 0..walks {
+            // Lambertian entry: µ = √ξ.
+            let (mut z, mut mu, mut weight) = (0.0, rng.random::<f64>().sqrt(), 1.0);
+            loop {
+                z += -(1.0 - rng.random::<f64>()).ln() / extinction * mu;
+                if z < 0.0 {
+                    returned += weight;
+                }
+                if z < 0.0 || z > thickness || weight < 1e-4 {
+                    break;
+                }
+                weight *= scattering / extinction;
+                mu = 2.0 * rng.random::<f64>() - 1.0;
+            }
+        }
+        returned / f64::from(walks)
+    }
+
+    #[test]
+    fn two_flux_is_close_to_a_random_walk() {
+        let mut worst: f64 = 0.0;
+        for scattering in [1.0, 3.0, 10.0] {
+            for absorption in [0.01, 0.3, 1.0, 5.0] {
+                let thickness = 0.4;
+                let walked = walked_reflectance(absorption, scattering, thickness);
+                let flux = slab_two_flux(absorption, scattering, thickness).reflectance;
+                println!("σs′ {scattering} σa {absorption}: walk {walked:.3}, two-flux {flux:.3}");
+                worst = worst.max((walked - flux).abs());
+            }
+        }
+        // The approximation's own error, with the walk's noise of 0.0025.
+        assert!(worst < 0.023, "{worst}");
+    }
+}

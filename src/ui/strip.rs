@@ -1,0 +1,45 @@
+//! Gaze, pupil, lens and lid over the last seconds.
+
+use super::Controlled;
+use bevy_egui::egui::{Color32, Ui};
+use egui_plot::{Legend, Line, Plot, PlotPoints};
+
+/// Seconds shown.
+const SPAN_S: f64 = 10.0;
+
+/// Draws the strip.
+pub fn draw(ui: &mut Ui, controlled: &Controlled) {
+    let Some(motion) = &controlled.motion else { return };
+    let now = controlled.clock.time_s;
+    let series: [(&str, Color32, fn(&crate::motion::trace::TraceRow) -> f64); 5] = [
+        ("azimuth °", Color32::from_rgb(110, 170, 255), |row| row.gaze_azimuth_deg),
+        ("elevation °", Color32::from_rgb(120, 220, 160), |row| row.gaze_elevation_deg),
+        ("pupil mm", Color32::from_rgb(240, 200, 90), |row| row.pupil_mm),
+        ("lens D", Color32::from_rgb(230, 120, 200), |row| row.accommodation_d),
+        ("lid ×10", Color32::from_rgb(235, 120, 90), |row| row.lid_aperture * 10.0),
+    ];
+    Plot::new("strip")
+        .legend(Legend::default().follow_insertion_order(true))
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_x(false)
+        .include_x(now - SPAN_S)
+        .include_x(now.max(SPAN_S * 0.01))
+        .include_y(-12.0)
+        .include_y(12.0)
+        .x_axis_formatter(|mark, _| format!("{:.0} s", mark.value))
+        .height(ui.available_height())
+        .show(ui, |plot| {
+            for (name, color, value) in series {
+                let points: PlotPoints<'_> = motion
+                    .strip
+                    .iter()
+                    .filter(|row| row.time_s >= now - SPAN_S)
+                    .map(|row| [row.time_s, value(row)])
+                    .collect();
+                plot.line(Line::new(name, points).color(color).width(1.4));
+            }
+        });
+}
