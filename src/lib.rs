@@ -4,7 +4,7 @@
 //! One patient ([`anatomy`]) drives two viewers: [`appearance`] draws the eye
 //! from outside, [`percept`] draws what it sees of a [`scene`], and [`motion`]
 //! moves both. [`optics`] and [`tissue`] are the mathematics below them, free of
-//! Bevy. [`app::add_ocularium`] puts the plugins together; each can be used alone.
+//! Bevy and usable alone. [`app::add_ocularium`] puts the plugins together.
 //!
 //! Units: millimetres in the eye, metres in the scene, dioptres for vergence,
 //! seconds, radians; degrees where a name ends in `_deg`.

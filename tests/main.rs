@@ -1,4 +1,10 @@
 //! The integration tests: one binary, so that Bevy links once.
 
+mod cli;
 mod gpu;
+mod ledger;
+mod percept_gpu;
+mod render;
 mod shader_twins;
+mod shaders;
+mod stage;

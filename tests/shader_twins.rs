@@ -1,4 +1,4 @@
-//! Every function of `shaders/lib` for the eye against its f64 twin, on thousands of seeded inputs;
+//! The functions of `shaders/lib` against its f64 twin, on thousands of seeded inputs;
 //! and the proof that the comparison can fail.
 //!
 //! Tolerances: f32 carries 6e-8 of a number. A function of a dozen operations on eye-sized numbers
@@ -8,10 +8,12 @@
 
 use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
 mod light;
+mod percept;
 mod refraction;
 
 use glam::{DVec2, DVec3};
 use ocularium::optics::{fresnel, snell};
+use ocularium::shaders::LIBRARY;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -162,4 +164,49 @@ fn every_library_file_is_valid_plain_wgsl() {
         names.len(),
         Gpu::shared().name
     );
+}
+
+#[test]
+fn no_library_file_goes_without_a_twin() {
+    let mut names: Vec<String> = std::fs::read_dir(library_folder())
+        .expect("shaders/lib exists")
+        .map(|entry| {
+            entry
+                .expect("readable")
+                .file_name()
+                .into_string()
+                .expect("plain name")
+        })
+        .map(|name| name.strip_suffix(".wgsl").expect("only WGSL").to_owned())
+        .collect();
+    names.sort();
+    let mut carried: Vec<&str> = LIBRARY.iter().map(|(name, _)| *name).collect();
+    carried.sort_unstable();
+    assert_eq!(
+        names, carried,
+        "the program carries every file of the library"
+    );
+
+    // The calls of the twin tests, as they stand in these sources.
+    let tests = [
+        include_str!("shader_twins/refraction.rs"),
+        include_str!("shader_twins/light.rs"),
+        include_str!("shader_twins/percept.rs"),
+    ]
+    .concat();
+    for (name, text) in LIBRARY {
+        let functions: Vec<&str> = text
+            .lines()
+            .filter_map(|line| line.strip_prefix("fn "))
+            .filter_map(|line| line.split('(').next())
+            .collect();
+        assert!(!functions.is_empty(), "{name}.wgsl has no function");
+        let called = |function: &&str| {
+            tests.contains(&format!("\"{function}\"")) || tests.contains(&format!("= {function}("))
+        };
+        assert!(
+            functions.iter().any(called),
+            "{name}.wgsl: none of {functions:?} has a twin test"
+        );
+    }
 }

@@ -24,7 +24,7 @@ struct Globe {
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
-// Polar map: u the angle, v from the pupil's edge to the root. r: height mm, g: thickness mm, b: melanin of the border layer.
+// Polar map: u the angle, v from the pupil's edge to the root. r: thickness mm, g: melanin of the border layer, b: height mm.
 @group(#{MATERIAL_BIND_GROUP}) @binding(1) var iris_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var iris_sampler: sampler;
 // Azimuthal equidistant map of the globe's front, to 100 degrees. rgb: albedo, a: height.
@@ -33,6 +33,8 @@ struct Globe {
 // Diffuse reflectance of the iris: u stromal path, v melanin of the border layer.
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var reflectance_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var reflectance_sampler: sampler;
+// Two lamps side by side over the iris plane: xy towards the light inside the eye, z irradiance.
+@group(#{MATERIAL_BIND_GROUP}) @binding(7) var light_table: texture_2d<f32>;
 
 const SCLERA_HALF_ANGLE: f32 = 1.7453293;
 const PATH_MAX_MM: f32 = 2.5;
@@ -47,104 +49,108 @@ fn eye_from_head(v: vec3<f32>) -> vec3<f32> {
 
 struct IrisTexel { height: f32, thickness: f32, melanin: f32 };
 
-fn iris_coordinates(p: vec2<f32>) -> vec2<f32> {
+// Place in the iris map: u the angle, v from the pupil's edge to the root, and how both change
+// with a step on the iris plane, so that small steps need no arc tangent.
+struct IrisPlace { uv: vec2<f32>, du: vec2<f32>, dv: vec2<f32> };
+
+fn iris_place(p: vec2<f32>) -> IrisPlace {
     let q = p - globe.pupil.xy * (1.0 - length(p) / globe.iris.y);
-    let r = length(q);
-    let v = (r - globe.iris.z) / max(globe.iris.y - globe.iris.z, 0.5);
-    return vec2(atan2(q.y, q.x) * 0.15915494 + 0.5, v);
+    let r = max(length(q), 0.2);
+    let width = max(globe.iris.y - globe.iris.z, 0.5);
+    return IrisPlace(
+        vec2(atan2(q.y, q.x) * 0.15915494 + 0.5, (r - globe.iris.z) / width),
+        vec2(-q.y, q.x) * (0.15915494 / (r * r)),
+        q / (r * width),
+    );
+}
+
+fn iris_step(place: IrisPlace, step: vec2<f32>) -> vec2<f32> {
+    return place.uv + vec2(dot(place.du, step), dot(place.dv, step));
 }
 
 fn iris_texel(uv: vec2<f32>, lod: f32) -> IrisTexel {
     let t = textureSampleLevel(iris_map, iris_sampler, vec2(uv.x, clamp(uv.y, 0.001, 0.999)), lod);
-    return IrisTexel(t.r, t.g, t.b);
+    return IrisTexel(t.b, t.r, t.g);
 }
 
-// Follows the refracted ray from the iris plane into the relief: the first
+// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first
 // place where the ray is below the surface, by linear steps and one secant.
-fn relief(point: vec3<f32>, direction: vec3<f32>, lod: f32) -> vec3<f32> {
-    let deepest = 0.42;
-    let slope = direction / max(direction.z, 0.2);
-    // The ray starts on the plane of the highest ridges, above the mean plane.
-    let start = point - slope * 0.20;
+fn relief(place: IrisPlace, direction: vec3<f32>, lod: f32) -> vec2<f32> {
+    let slope = direction.xy / max(direction.z, 0.2);
+    // From the highest ridges, above the mean plane, to the deepest crypts below it.
+    let top = 0.20;
+    let deepest = 0.40;
     var before = 0.0;
-    var gap_before = -1.0;
-    for (var i = 1; i <= 8; i++) {
-        let depth = deepest * f32(i) / 8.0;
-        let p = start + slope * depth;
-        let gap = depth - (0.20 - iris_texel(iris_coordinates(p.xy), lod).height);
+    var gap_before = -0.05;
+    for (var i = 1; i <= 5; i++) {
+        let depth = deepest * f32(i) / 5.0;
+        let gap = depth - top + iris_texel(iris_step(place, slope * (depth - top)), lod).height;
         if gap >= 0.0 {
-            let s = mix(before, depth, gap_before / (gap_before - gap));
-            return start + slope * s;
+            return slope * (mix(before, depth, gap_before / (gap_before - gap)) - top);
         }
         before = depth;
         gap_before = gap;
     }
-    return start + slope * deepest;
+    return slope * (deepest - top);
 }
 
-struct IrisShade { radiance: vec3<f32>, opacity: f32 };
-
-fn lamp_on_iris(point: vec3<f32>, normal: vec3<f32>, towards: vec3<f32>, texel: IrisTexel, view_cosine: f32, color: vec3<f32>, lod: f32) -> vec3<f32> {
-    // In the optics frame light comes from -z.
-    if towards.z > -0.06 { return vec3(0.0); }
-    let lit = vec3(point.xy, globe.iris.x);
-    let entered = fermat_entry(lit, towards, globe.cornea.xy, globe.cornea_inside.z, FERMAT_STEPS);
-    if entered.w < 0.5 { return vec3(0.0); }
-    let entry = entered.xyz;
-    // Light that would have to enter outside the cornea meets the sclera instead.
-    let through_limbus = smoothstep(globe.iris.w + 0.5, globe.iris.w - 0.3, length(entry.xy));
-    let irradiance = through_limbus * caustic_irradiance_at(entry, towards, globe.cornea.xy, globe.cornea_inside.z, globe.iris.x);
-    let inside = normalize(entry - lit);
-    // Two short steps towards the light decide the relief's own shadow.
-    var shadow = 1.0;
-    let here = iris_coordinates(point.xy);
-    for (var i = 1; i <= 2; i++) {
-        let s = 0.09 * f32(i);
-        let q = point + inside * (s / max(-inside.z, 0.25));
-        let ridge = iris_texel(iris_coordinates(q.xy), lod).height - texel.height;
-        shadow *= 1.0 - 0.55 * smoothstep(0.0, 0.10, ridge - s);
-    }
-    let cosine = max(dot(normal, inside), 0.0);
-    let flat_cosine = max(-inside.z, 0.1);
-    let path = texel.thickness * 0.5 * (1.0 / max(cosine, 0.35) + 1.0 / max(view_cosine, 0.35));
-    let reflectance = textureSampleLevel(reflectance_map, reflectance_sampler, vec2(path / PATH_MAX_MM, texel.melanin), 0.0).rgb;
-    // Light that enters one fibre leaves through its neighbours: half of the relief's contrast stays.
-    let relief_gain = mix(1.0, cosine / flat_cosine, 0.75);
-    return color * reflectance * irradiance * clamp(relief_gain, 0.0, 2.2) * shadow;
+// Light of a lamp (0 key, 1 fill) at a place of the iris plane: xyz towards where it enters the
+// cornea, w irradiance relative to the lamp's. Solved exactly on the CPU, interpolated here.
+fn iris_light(lamp: f32, p: vec2<f32>) -> vec4<f32> {
+    let size = vec2<f32>(textureDimensions(light_table)) * vec2(0.5, 1.0);
+    let at = clamp(p / (globe.iris.y * 1.04) * 0.5 + 0.5, vec2(0.0), vec2(1.0)) * (size - 1.0) + 0.5;
+    let t = textureSampleLevel(light_table, reflectance_sampler, (at + vec2(lamp * size.x, 0.0)) / (size * vec2(2.0, 1.0)), 0.0);
+    return vec4(t.xy, -sqrt(max(1.0 - dot(t.xy, t.xy), 0.04)), t.z);
 }
 
-fn iris_shade(trace_point: vec3<f32>, trace_direction: vec3<f32>, footprint: f32, shade: LidShade) -> vec3<f32> {
+// What of a lamp's irradiance the relief takes up at this normal. Light that enters one fibre
+// leaves through its neighbours, so that a part of the contrast is lost.
+fn relief_gain(normal: vec3<f32>, towards: vec3<f32>) -> f32 {
+    let cosine = max(dot(normal, towards), 0.0);
+    return clamp(mix(1.0, cosine / max(-towards.z, 0.1), 0.75), 0.0, 2.2);
+}
+
+fn iris_shade(trace_point: vec3<f32>, trace_direction: vec3<f32>, start: IrisPlace, footprint: f32, shade: LidShade) -> vec3<f32> {
     let width = max(globe.iris.y - globe.iris.z, 0.5);
     let size = vec2<f32>(textureDimensions(iris_map));
     let texels = footprint * vec2(size.x / (6.2831853 * max(length(trace_point.xy), 1.0)), size.y / width);
-    let lod = max(log2(max(texels.x, texels.y)) - 0.3, 0.0);
-    let point = relief(trace_point, trace_direction, lod + 0.5);
-    let uv = iris_coordinates(point.xy);
-    let texel = iris_texel(uv, lod);
+    let lod = max(log2(max(texels.x, texels.y)) - 0.4, 0.0);
+    let moved = relief(start, trace_direction, lod + 0.5);
+    let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
+    let point = trace_point.xy + moved;
+    let texel = iris_texel(place.uv, lod);
 
     // The slope of the relief, by differences one footprint wide.
     let e = max(footprint, 0.012);
-    let hx = iris_texel(iris_coordinates(point.xy + vec2(e, 0.0)), lod).height - iris_texel(iris_coordinates(point.xy - vec2(e, 0.0)), lod).height;
-    let hy = iris_texel(iris_coordinates(point.xy + vec2(0.0, e)), lod).height - iris_texel(iris_coordinates(point.xy - vec2(0.0, e)), lod).height;
-    let strength = globe.options.w;
-    let normal = normalize(vec3(-hx * strength / (2.0 * e), -hy * strength / (2.0 * e), -1.0));
-
+    let hx = iris_texel(iris_step(place, vec2(e, 0.0)), lod).height - texel.height;
+    let hy = iris_texel(iris_step(place, vec2(0.0, e)), lod).height - texel.height;
+    let strength = globe.options.w / e;
+    let normal = normalize(vec3(-hx * strength, -hy * strength, -1.0));
     let view_cosine = max(-dot(normal, trace_direction), 0.2);
-    let key = eye_from_head(globe.studio.key_direction.xyz);
-    let fill = eye_from_head(globe.studio.fill_direction.xyz);
-    var radiance = lamp_on_iris(point, normal, key, texel, view_cosine, globe.studio.key_color.rgb * shade.key, lod);
-    radiance += lamp_on_iris(point, normal, fill, texel, view_cosine, globe.studio.fill_color.rgb * shade.sky, lod);
 
-    // Surroundings: over the dome they arrive nearly evenly; what is deep sees less of them.
-    let path = texel.thickness / max(view_cosine, 0.35);
+    let key = iris_light(0.0, point);
+    let fill = iris_light(1.0, point);
+    // Two short steps towards the key light decide the relief's own shadow.
+    var shadow = 1.0;
+    for (var i = 1; i <= 2; i++) {
+        let s = 0.09 * f32(i);
+        let ridge = iris_texel(iris_step(place, key.xy * (s / max(-key.z, 0.25))), lod).height - texel.height;
+        shadow *= 1.0 - 0.55 * smoothstep(0.0, 0.10, ridge - s);
+    }
+    let path = texel.thickness * 0.5 * (1.0 / max(-key.z, 0.35) + 1.0 / max(view_cosine, 0.35));
     let reflectance = textureSampleLevel(reflectance_map, reflectance_sampler, vec2(path / PATH_MAX_MM, texel.melanin), 0.0).rgb;
-    let open = clamp(0.75 + texel.height * 2.2, 0.35, 1.1);
-    radiance += reflectance * studio_ambient(globe.studio, head(vec3(0.0, 0.0, -1.0))) * open * shade.sky * 0.92;
+
+    var light = globe.studio.key_color.rgb * (key.w * relief_gain(normal, key.xyz) * shadow * shade.key);
+    light += globe.studio.fill_color.rgb * (fill.w * relief_gain(normal, fill.xyz) * shade.sky);
+    // Surroundings: over the dome they arrive nearly evenly; what is deep sees less of them.
+    let open = clamp(0.80 + texel.height * 2.2, 0.35, 1.15);
+    light += studio_ambient(globe.studio, head(vec3(0.0, 0.0, -1.0))) * (open * shade.sky * 0.92);
+    var radiance = reflectance * light;
 
     // The root lies in the shade of the limbus; the ruff is pigment without stroma.
-    let root = smoothstep(0.80, 1.02, uv.y);
+    let root = smoothstep(0.80, 1.02, place.uv.y);
     radiance *= mix(vec3(1.0), vec3(0.30, 0.33, 0.38), root);
-    let ruff = smoothstep(0.035, 0.0, uv.y);
+    let ruff = smoothstep(0.035, 0.0, place.uv.y);
     radiance *= mix(vec3(1.0), vec3(0.16, 0.11, 0.08), ruff);
     return radiance;
 }
@@ -220,13 +226,36 @@ fn reflection(p_head: vec3<f32>, n_head: vec3<f32>, v_head: vec3<f32>, blur: f32
     return f * mix(skin, studio_radiance(globe.studio, r, blur), lid * outward);
 }
 
+#ifdef CORNEA
+// What is seen through the cornea: iris and pupil, dimmed by the two interfaces.
+fn through_cornea(origin: vec3<f32>, direction: vec3<f32>, footprint: f32, shade: LidShade) -> vec3<f32> {
+    let trace = cornea_trace(origin, direction, globe.cornea.xy, globe.cornea.zw, globe.cornea_inside.x, globe.cornea_inside.y, globe.cornea_inside.z, globe.iris.x);
+    if trace.valid < 0.5 {
+        return vec3(0.02, 0.018, 0.016);
+    }
+    let place = iris_place(trace.point.xy);
+    let width = max(globe.iris.y - globe.iris.z, 0.5);
+    // The pupil's margin is uneven and softened over a pixel.
+    let uneven = 0.006 * sin(place.uv.x * 81.6814) + 0.005 * sin(place.uv.x * 37.6991 + 1.7);
+    let soft = max(0.75 * footprint / width, 0.008);
+    let edge = smoothstep(-soft, soft, place.uv.y - uneven);
+    // Past the root the ray ends in the angle, behind the limbus.
+    let beyond = smoothstep(1.0, 1.12, place.uv.y);
+    let lit = iris_shade(trace.point, trace.direction, place, footprint, shade);
+    let inside = mix(pupil_radiance(shade), mix(lit, vec3(0.03, 0.028, 0.027), beyond), edge);
+    return inside * trace.transmittance;
+}
+#endif
+
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
-    let apex = vec3(0.0, 0.0, -globe.cornea_inside.w);
     let direction = normalize(in.position - in.camera);
+    var p = in.position;
+    var normal = normalize(in.normal);
+#ifdef CORNEA
+    let apex = vec3(0.0, 0.0, -globe.cornea_inside.w);
     let origin = in.camera - apex;
     let t = conicoid_intersect(origin, direction, globe.cornea.x, globe.cornea.y);
-    var p = in.position;
     var corneal = 0.0;
     if t > 0.0 {
         let hit = origin + t * direction;
@@ -234,57 +263,31 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let r = length(hit.xy);
         corneal = smoothstep(globe.iris.w + 0.30, globe.iris.w - 0.75, r);
         if r < globe.iris.w { p = hit + apex; }
-    }
-    let p_head = head(p);
-    let shade = lid_shade(globe.lids, p_head);
-    let distance_mm = distance(p, in.camera);
-    let footprint = pixel_footprint(distance_mm);
-    let v_head = head(-direction);
-
-    var diffuse = vec3(0.0);
-    var normal = normalize(in.normal);
-    if t > 0.0 {
-        let n = conicoid_normal(origin + t * direction, globe.cornea.x, globe.cornea.y);
+        let n = conicoid_normal(hit, globe.cornea.x, globe.cornea.y);
         normal = normalize(mix(normal, n, smoothstep(0.0, 0.35, corneal)));
     }
-    var wet_normal = normal;
-    if corneal < 1.0 {
-        let sclera = sclera_shade(p, normal, footprint, shade);
-        diffuse = sclera.diffuse;
-        wet_normal = normalize(mix(sclera.normal, normal, corneal));
-    }
-    if corneal > 0.0 {
-        let trace = cornea_trace(origin, direction, globe.cornea.xy, globe.cornea.zw, globe.cornea_inside.x, globe.cornea_inside.y, globe.cornea_inside.z, globe.iris.x);
-        var inside = vec3(0.02, 0.018, 0.016);
-        if trace.valid > 0.5 {
-            let coordinates = iris_coordinates(trace.point.xy);
-            let width = max(globe.iris.y - globe.iris.z, 0.5);
-            // The pupil's margin is uneven and softened over a pixel.
-            let uneven = 0.006 * sin(coordinates.x * 81.0) + 0.005 * sin(coordinates.x * 38.0 + 1.7);
-            let soft = max(0.75 * footprint / width, 0.008);
-            let edge = smoothstep(-soft, soft, coordinates.y - uneven);
-            let dark = pupil_radiance(shade);
-            inside = dark;
-            if edge > 0.0 {
-                // Past the root the ray ends in the angle, behind the limbus.
-                let beyond = smoothstep(1.0, 1.12, coordinates.y);
-                let lit = iris_shade(trace.point, trace.direction, footprint, shade);
-                inside = mix(dark, mix(lit, vec3(0.03, 0.028, 0.027), beyond), edge);
-            }
-            inside *= trace.transmittance;
-        }
-        diffuse = mix(diffuse, inside, corneal);
-    }
+#else
+    let corneal = 0.0;
+#endif
+    let p_head = head(p);
+    let shade = lid_shade(globe.lids, p_head);
+    let footprint = pixel_footprint(distance(p, in.camera));
+    let v_head = head(-direction);
+
+    let sclera = sclera_shade(p, normal, footprint, shade);
+    var diffuse = sclera.diffuse;
+    var wet_normal = sclera.normal;
+#ifdef CORNEA
+    diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal);
+    wet_normal = normalize(mix(sclera.normal, normal, corneal));
     // The limbus: a blue-grey ring where the sclera thins over the dark angle.
     let ring = corneal * (1.0 - corneal) * 4.0;
     diffuse *= mix(vec3(1.0), vec3(0.62, 0.66, 0.72), ring * 0.75);
+#endif
 
     let n_head = normalize(head(wet_normal));
-    let blur = mix(0.16, 0.012, corneal);
-    var specular = reflection(p_head, n_head, v_head, blur, shade);
-    if corneal < 0.98 {
-        let broken = lamp_highlight(n_head, v_head, globe.studio.key_direction.xyz, 0.24, globe.studio.key_direction.w * 0.25, globe.studio.key_color.rgb);
-        specular += broken * shade.key * (1.0 - corneal);
-    }
+    var specular = reflection(p_head, n_head, v_head, mix(0.16, 0.012, corneal), shade);
+    let broken = lamp_highlight(n_head, v_head, globe.studio.key_direction.xyz, 0.24, globe.studio.key_direction.w * 0.25, globe.studio.key_color.rgb);
+    specular += broken * shade.key * (1.0 - corneal);
     return vec4(output_transform(diffuse + specular, globe.studio.key_color.w), 1.0);
 }

@@ -10,41 +10,17 @@ struct Skin {
     albedo: vec4<f32>,
     // Colour of blood-rich, wet tissue (margin, caruncle); w: pore strength.
     flesh: vec4<f32>,
+    // x: radius of the globe, mm.
+    globe: vec4<f32>,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> skin: Skin;
 
-fn hash3(p: vec3<i32>) -> f32 {
-    var h = u32(p.x) * 0x9E3779B1u ^ u32(p.y) * 0x85EBCA77u ^ u32(p.z) * 0xC2B2AE3Du;
-    h ^= h >> 15u;
-    h *= 0x2C1B3C6Du;
-    h ^= h >> 12u;
-    h *= 0x297A2D39u;
-    h ^= h >> 15u;
-    return f32(h) * (1.0 / 4294967296.0);
-}
+// One repeating tile: rg the slope of the skin, b blotches of blood, a specks of pigment.
+@group(#{MATERIAL_BIND_GROUP}) @binding(1) var skin_map: texture_2d<f32>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(2) var skin_sampler: sampler;
 
-fn value_noise(p: vec3<f32>) -> f32 {
-    let cell = floor(p);
-    let f = p - cell;
-    let w = f * f * (3.0 - 2.0 * f);
-    let i = vec3<i32>(cell);
-    let near = mix(
-        mix(hash3(i), hash3(i + vec3(1, 0, 0)), w.x),
-        mix(hash3(i + vec3(0, 1, 0)), hash3(i + vec3(1, 1, 0)), w.x), w.y);
-    let far = mix(
-        mix(hash3(i + vec3(0, 0, 1)), hash3(i + vec3(1, 0, 1)), w.x),
-        mix(hash3(i + vec3(0, 1, 1)), hash3(i + vec3(1, 1, 1)), w.x), w.y);
-    return mix(near, far, w.z);
-}
-
-// Fine relief of the skin in mm: pores and the lattice of lines between them,
-// faded out where a pixel is wider than they are.
-fn skin_height(p: vec3<f32>, footprint: f32) -> f32 {
-    let fine = value_noise(p * 3.3) * smoothstep(0.35, 0.10, footprint);
-    let middle = value_noise(p * 1.4 + 7.1) * smoothstep(0.8, 0.25, footprint);
-    return 0.045 * fine + 0.06 * middle;
-}
+const TILE_MM: f32 = 24.0;
 
 fn sheen(n: vec3<f32>, v: vec3<f32>, l: vec3<f32>, roughness: f32, lamp: f32) -> f32 {
     let h = normalize(l + v);
@@ -72,22 +48,23 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var n = normalize(in.normal);
     // Both sides of the thin mesh may be seen at a corner; light the one that faces the camera.
     n = select(n, -n, dot(n, v) < -0.35);
-    if rough_place > 0.01 {
-        let e = max(0.12, footprint);
-        let h0 = skin_height(q, footprint);
-        let gradient = vec3(
-            skin_height(q + vec3(e, 0.0, 0.0), footprint) - h0,
-            skin_height(q + vec3(0.0, e, 0.0), footprint) - h0,
-            skin_height(q + vec3(0.0, 0.0, e), footprint) - h0) / e;
-        n = normalize(n - rough_place * (gradient - n * dot(gradient, n)));
-    }
+    let texel_mm = TILE_MM / f32(textureDimensions(skin_map).x);
+    let fine = textureSampleLevel(skin_map, skin_sampler, q.xy / TILE_MM, log2(footprint / texel_mm));
+    // A second, larger look at the same tile hides that it repeats.
+    let coarse = textureSampleLevel(skin_map, skin_sampler, q.yx / (TILE_MM * 2.7) + 0.37, log2(footprint / (2.7 * texel_mm)));
+    let gradient = vec3(fine.rg + 0.5 * coarse.gr, 0.0);
+    n = normalize(n - rough_place * (gradient - n * dot(gradient, n)));
 
     // Colour: mottled by blood and by melanin, redder where the lid is thin, pink at the margin.
-    let blotch = value_noise(q * 0.22 + 3.0) * 0.6 + value_noise(q * 0.7) * 0.4 - 0.5;
-    let speck = value_noise(q * 2.1 + 11.0) - 0.5;
+    let blotch = 0.6 * coarse.b + 0.4 * fine.b;
+    let speck = 0.5 * fine.a;
     var albedo = skin.albedo.rgb * (1.0 + vec3(0.10, 0.16, 0.18) * blotch + vec3(0.05, 0.07, 0.07) * speck);
     albedo *= mix(vec3(1.0), vec3(0.97, 0.86, 0.86), thin);
     albedo = mix(albedo, skin.flesh.rgb * (1.0 + 0.3 * speck), flesh * 0.85);
+    // Where wet tissue comes down onto the globe it is conjunctiva over sclera: pale, so that no
+    // edge shows between the two.
+    let onto_globe = wet * smoothstep(skin.globe.x + 1.7, skin.globe.x + 0.15, length(p));
+    albedo = mix(albedo, vec3(0.60, 0.45, 0.41), onto_globe * (1.0 - 0.55 * in.tissue.b));
 
     let key = skin.studio.key_direction.xyz;
     let fill = skin.studio.fill_direction.xyz;

@@ -5,6 +5,7 @@
 //! field is wrong, what it holds and what is allowed.
 
 use super::components::Laterality;
+use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::IrisPigment;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -278,7 +279,43 @@ impl PatientFile {
                 });
             }
         }
-        self.check_shape(file)
+        self.check_shape(file)?;
+        self.check_globe(file)
+    }
+
+    /// Cornea and sclera must meet at the limbus, with the iris inside.
+    fn check_globe(&self, file: &str) -> Result<(), PatientError> {
+        let refused = |value: String, allowed: String| PatientError::OutOfRange {
+            file: file.into(),
+            field: "cornea_radius_mm",
+            value,
+            allowed,
+        };
+        let shape = GlobeShape::new(
+            self.scleral_radius_mm,
+            self.cornea_radius_mm,
+            self.cornea_p,
+            self.limbus_radius_mm,
+        )
+        .map_err(|error| {
+            refused(
+                format!("{}", self.cornea_radius_mm),
+                format!(
+                    "a radius with which cornea (p = {}), limbus ({} mm) and sclera ({} mm) meet: {error}",
+                    self.cornea_p, self.limbus_radius_mm, self.scleral_radius_mm
+                ),
+            )
+        })?;
+        let deepest = 0.6 * shape.apex_distance_mm();
+        if self.iris_depth_mm > deepest {
+            return Err(PatientError::OutOfRange {
+                file: file.into(),
+                field: "iris_depth_mm",
+                value: format!("{}", self.iris_depth_mm),
+                allowed: format!("2.5 to {deepest:.2} for this globe"),
+            });
+        }
+        Ok(())
     }
 
     /// The corneal conicoid must reach the limbus, and the iris must lie inside the eye.
@@ -315,7 +352,13 @@ pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError
         file: file.into(),
         line: error.span.start.line,
         column: error.span.start.col,
-        reason: sentence(&error.code),
+        reason: if text.trim_start().starts_with('(')
+            && matches!(error.code, ron::error::Error::ExpectedStructLike)
+        {
+            "round brackets are expected here, as in (0.2, 0.0)".into()
+        } else {
+            sentence(&error.code)
+        },
     })?;
     patient.check(file)?;
     Ok(patient)

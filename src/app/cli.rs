@@ -93,7 +93,7 @@ struct RenderArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Where the camera before the eye stands: degrees to the patient's right and up,
-    /// −85 to 85 and −80 to 80.
+    /// -85 to 85 and -80 to 80.
     #[arg(long, default_value = "0,0", value_name = "AZ,EL", value_parser = parse_orbit, allow_hyphen_values = true)]
     orbit: [f32; 2],
     /// Distance of that camera from the cornea in mm, 35 to 400.
@@ -166,7 +166,7 @@ fn parse_distance(text: &str) -> Result<f32, String> {
 }
 
 fn parse_orbit(text: &str) -> Result<[f32; 2], String> {
-    let wrong = || format!("{text:?} is not AZ,EL in degrees, −85 to 85 and −80 to 80");
+    let wrong = || format!("{text:?} is not AZ,EL in degrees, AZ -85 to 85 and EL -80 to 80");
     let (azimuth, elevation) = text.split_once(',').ok_or_else(wrong)?;
     let angle = |text: &str, most: f32| {
         text.trim()
@@ -219,7 +219,7 @@ fn obey(cli: Cli) -> Result<ExitCode, Box<dyn Error>> {
             let patient = load_patient(&file)?;
             say(
                 &mut std::io::stdout().lock(),
-                &format!("{file}: sound: {} ({} years)", patient.name, patient.age_years),
+                &format!("{file} is sound: {}, {} years.", patient.name, patient.age_years),
             )?;
         }
     }
@@ -248,11 +248,11 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
     };
     let (sizes, drawn) = layout(panels, arguments.size);
     if let Some(small) = sizes.iter().zip(drawn).find(|(size, drawn)| *drawn && size.min_element() < 16) {
-        return Err(format!(
-            "--size {}x{} leaves a panel of {}x{} pixels; each panel needs at least 16x16",
+        eprintln!(
+            "ocularium: --size {}x{} leaves a panel of {}x{} pixels; each panel needs at least 16x16",
             arguments.size.x, arguments.size.y, small.0.x, small.0.y
-        )
-        .into());
+        );
+        return Ok(ExitCode::from(2));
     }
     let request = RenderRequest {
         panels,
@@ -293,8 +293,9 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
 
 fn conclude(report: &RenderReport, out: &std::path::Path) -> ExitCode {
     eprintln!(
-        "{} frames, trace.csv and report.json in {} ({}; {:.0} ms a frame)",
+        "{} frame{}, trace.csv and report.json in {} ({}; {:.0} ms a frame)",
         report.frames,
+        if report.frames == 1 { "" } else { "s" },
         out.display(),
         report.device,
         report.frame_ms_median,

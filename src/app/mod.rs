@@ -19,6 +19,9 @@ pub use panels::{Panel, Panels};
 pub use session::{Session, SessionCommand};
 
 use bevy::prelude::*;
+#[cfg(not(target_arch = "wasm32"))]
+use bevy::render::settings::Backends;
+use bevy::render::settings::WgpuSettings;
 
 /// The stages of a frame, in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -71,6 +74,17 @@ impl Plugin for FramePlugin {
             render_app.insert_resource(ledger);
         }
     }
+}
+
+/// How devices are chosen: Vulkan, Metal, DirectX 12 or WebGPU, unless `WGPU_BACKEND` says otherwise.
+pub fn device_settings() -> WgpuSettings {
+    let settings = WgpuSettings::default();
+    #[cfg(not(target_arch = "wasm32"))]
+    let settings = WgpuSettings {
+        backends: Some(Backends::from_env().unwrap_or(Backends::PRIMARY)),
+        ..settings
+    };
+    settings
 }
 
 /// Adds everything that draws and moves the eye; what remains is a window, or none.

@@ -41,7 +41,10 @@ pub fn windowed_app(session: Session) -> App {
                 filter: "error,ocularium=info,bevy_winit=error".into(),
                 ..default()
             })
-            .set(RenderPlugin::default()),
+            .set(RenderPlugin {
+                render_creation: super::device_settings().into(),
+                ..default()
+            }),
     )
     .add_plugins(EguiPlugin::default());
     app.world_mut()

@@ -13,10 +13,25 @@ use bevy::render::renderer::ViewQuery;
 use bevy::render::RenderApp;
 
 /// Layer of everything that belongs to the eye.
-pub const EYE_LAYER: usize = 0;
+pub const EYE_LAYER: usize = 30;
 
 /// Half of the field that the camera shows across its smaller side, rad.
 const HALF_FIELD: f32 = 12.5 * std::f32::consts::PI / 180.0;
+
+/// How finely the eye is drawn.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EyeQuality {
+    /// Samples a pixel. Software rasterisers take three times as long for four.
+    pub msaa: Msaa,
+}
+
+impl Default for EyeQuality {
+    fn default() -> Self {
+        Self {
+            msaa: Msaa::Sample4,
+        }
+    }
+}
 
 /// Marks the camera that looks at the eye.
 #[derive(Component, Clone, Copy, Debug, ExtractComponent)]
@@ -116,7 +131,9 @@ pub struct Drawn {
     orbit: Option<EyeOrbit>,
     size: UVec2,
     version: u64,
+    msaa: Option<Msaa>,
     settled: bool,
+    unsettled_frames: u32,
 }
 
 /// Wakes the camera in frames in which something changed.
@@ -125,17 +142,22 @@ pub fn wake_camera(
     orbit: Res<EyeOrbit>,
     panels: Res<Panels>,
     readiness: Res<Readiness>,
+    quality: Res<EyeQuality>,
     mut drawn: Local<Drawn>,
-    mut camera: Query<&mut Camera, With<EyeCamera>>,
+    mut camera: Query<(&mut Camera, &mut Msaa), With<EyeCamera>>,
 ) {
-    // The first frames are drawn until every pipeline exists and every texture has arrived.
+    // Until every pipeline exists and every texture has arrived, a frame is drawn to ask for them
+    // and one when they are there; those between would show nothing.
     let settled = readiness.quiet_frames() >= 3;
+    drawn.unsettled_frames = if settled { 0 } else { drawn.unsettled_frames + 1 };
     let changed = drawn.orbit != Some(*orbit)
         || drawn.size != panels.eye.size
         || drawn.version != parts.version
-        || !(settled && drawn.settled);
-    let awake = panels.eye.visible && changed;
-    for mut camera in &mut camera {
+        || drawn.msaa != Some(quality.msaa)
+        || (settled && !drawn.settled);
+    let awake = panels.eye.visible && changed && (settled || drawn.unsettled_frames <= 2);
+    for (mut camera, mut msaa) in &mut camera {
+        msaa.set_if_neq(quality.msaa);
         if camera.is_active != awake {
             camera.is_active = awake;
         }
@@ -145,7 +167,9 @@ pub fn wake_camera(
             orbit: Some(*orbit),
             size: panels.eye.size,
             version: parts.version,
+            msaa: Some(quality.msaa),
             settled,
+            unsettled_frames: drawn.unsettled_frames,
         };
     }
 }

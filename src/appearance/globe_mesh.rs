@@ -1,4 +1,4 @@
-//! The globe's mesh: a sphere of directions, dense in front, pushed out to the
+//! The globe's meshes: a sphere of directions, dense in front, pushed out to the
 //! surface of sclera and cornea. The shader refines it: every pixel of the
 //! cornea is traced exactly, so the mesh only has to cover the right pixels.
 
@@ -22,11 +22,26 @@ fn rings() -> Vec<f32> {
         .collect()
 }
 
-/// Builds the mesh in the eye frame, mm.
-pub fn globe_mesh(shape: &GlobeShape) -> Mesh {
-    let rings = rings();
+/// Reach of the limbus' soft edge outside its radius, mm (`shaders/eye/globe.wgsl`).
+const LIMBAL_REACH_MM: f64 = 0.34;
+
+/// Builds the meshes of cornea (with the limbus) and sclera in the eye frame, mm; they share a ring.
+pub fn globe_meshes(shape: &GlobeShape) -> [Mesh; 2] {
+    let sine = (shape.limbus_radius_mm() + LIMBAL_REACH_MM) / shape.sclera_radius_mm();
+    let border = sine.clamp(0.1, 0.9).asin() as f32;
+    let all = rings();
+    let cornea = all.iter().copied().filter(|&angle| angle < border - 0.005);
+    let sclera = all.iter().copied().filter(|&angle| angle > border + 0.005);
+    [
+        ring_mesh(shape, &cornea.chain([border]).collect::<Vec<_>>()),
+        ring_mesh(shape, &std::iter::once(border).chain(sclera).collect::<Vec<_>>()),
+    ]
+}
+
+fn ring_mesh(shape: &GlobeShape, rings: &[f32]) -> Mesh {
     let mut positions = Vec::with_capacity(rings.len() * (SECTORS as usize + 1));
-    for &angle in &rings {
+    let mut normals = Vec::with_capacity(positions.capacity());
+    for &angle in rings {
         for sector in 0..=SECTORS {
             let turn = sector as f32 / SECTORS as f32 * std::f32::consts::TAU;
             let direction = Vec3::new(
@@ -36,6 +51,8 @@ pub fn globe_mesh(shape: &GlobeShape) -> Mesh {
             );
             let radius = shape.radius_along(direction.as_dvec3()) as f32;
             positions.push((direction * radius).to_array());
+            // Exact normals, so that the two meshes agree along their border.
+            normals.push(shape.normal_along(direction.as_dvec3()).as_vec3().to_array());
         }
     }
     let row = SECTORS + 1;
@@ -48,11 +65,10 @@ pub fn globe_mesh(shape: &GlobeShape) -> Mesh {
         }
     }
     let count = positions.len();
-    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
         .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32; 4]; count])
         .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; count])
-        .with_inserted_indices(Indices::U32(indices));
-    mesh.compute_smooth_normals();
-    mesh
+        .with_inserted_indices(Indices::U32(indices))
 }

@@ -39,7 +39,8 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
         address_mode_v: ImageAddressMode::ClampToEdge,
         mag_filter: ImageFilterMode::Linear,
         min_filter: ImageFilterMode::Linear,
-        mipmap_filter: ImageFilterMode::Linear,
+        // Levels differ little between neighbours here, and blending two of them doubles the cost.
+        mipmap_filter: ImageFilterMode::Nearest,
         ..ImageSamplerDescriptor::default()
     });
     image

@@ -154,13 +154,13 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
     let fan = -0.34 + 0.78 * smooth(0.1, 1.0, t);
     match lid {
         Lid::Upper => {
-            let length_mm = around(4.6 + 4.9 * ends, 1.1).min(11.0);
+            let length_mm = around(4.2 + 4.5 * ends, 1.1).min(11.0);
             Lash {
                 lid,
                 t,
                 row_mm: around(0.15, 0.25),
                 length_mm,
-                radius_mm: around(0.062, 0.012),
+                radius_mm: around(0.054, 0.011),
                 pitch: around(-0.5, 0.16) + tilt,
                 curl: around(1.5, 0.25),
                 fan: around(0.55 * fan, 0.07),
@@ -168,7 +168,7 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
             }
         }
         Lid::Lower => {
-            let length_mm = around(2.9 + 2.7 * ends, 1.1).min(7.0);
+            let length_mm = around(2.3 + 2.2 * ends, 0.9).min(7.0);
             Lash {
                 lid,
                 t,

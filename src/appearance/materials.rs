@@ -45,8 +45,8 @@ impl Default for Studio {
             key_color: Vec4::new(0.78, 0.80, 0.82, 1.0),
             fill_direction: bevy::math::Vec3::new(-0.72, -0.05, -0.62)
                 .normalize()
-                .extend(0.10),
-            fill_color: Vec4::new(0.16, 0.14, 0.125, 0.0),
+                .extend(0.07),
+            fill_color: Vec4::new(0.10, 0.088, 0.08, 0.0),
             ambient_up: Vec4::new(0.24, 0.245, 0.26, 0.0),
             ambient_down: Vec4::new(0.15, 0.135, 0.125, 0.0),
         }
@@ -97,9 +97,33 @@ pub struct GlobeUniform {
     pub options: Vec4,
 }
 
+/// Which part of the globe a material draws: the part is a pipeline of its own, because a sclera
+/// needs none of the code that looks through a cornea.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GlobePart {
+    /// Everything outside the limbus.
+    #[default]
+    Sclera,
+    /// Cornea, iris and pupil, and the limbus itself.
+    Cornea,
+}
+
+/// Pipeline key of a [`GlobeMaterial`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GlobeKey(GlobePart);
+
+impl From<&GlobeMaterial> for GlobeKey {
+    fn from(material: &GlobeMaterial) -> Self {
+        Self(material.part)
+    }
+}
+
 /// Sclera, limbus, cornea, iris and pupil in one opaque material.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+#[bind_group_data(GlobeKey)]
 pub struct GlobeMaterial {
+    /// The part that it draws.
+    pub part: GlobePart,
     /// The numbers.
     #[uniform(0)]
     pub globe: GlobeUniform,
@@ -115,6 +139,9 @@ pub struct GlobeMaterial {
     #[texture(5)]
     #[sampler(6)]
     pub reflectance_map: Handle<Image>,
+    /// Where the lamps' light enters the eye; see [`super::light_table`].
+    #[texture(7)]
+    pub light_table: Handle<Image>,
 }
 
 /// Struct `Skin` of `shaders/eye/skin.wgsl`.
@@ -126,6 +153,8 @@ pub struct SkinUniform {
     pub albedo: Vec4,
     /// Colour of wet flesh; w: strength of the pores.
     pub flesh: Vec4,
+    /// x: radius of the globe, mm.
+    pub globe: Vec4,
 }
 
 /// The skin of the eye region.
@@ -134,6 +163,10 @@ pub struct SkinMaterial {
     /// The numbers.
     #[uniform(0)]
     pub skin: SkinUniform,
+    /// The repeating tile of slope and colour; see [`super::skin_map`].
+    #[texture(1)]
+    #[sampler(2)]
+    pub skin_map: Handle<Image>,
 }
 
 /// Struct `Hair` of `shaders/eye/hair.wgsl`.
@@ -189,7 +222,7 @@ fn vertex_layout(
 }
 
 macro_rules! eye_material {
-    ($material:ty, $shader:expr, $alpha:expr, $two_sided:expr) => {
+    ($material:ty, $shader:expr, $alpha:expr, $define:expr) => {
         impl Material for $material {
             fn vertex_shader() -> ShaderRef {
                 $shader.into()
@@ -210,10 +243,11 @@ macro_rules! eye_material {
                 _pipeline: &MaterialPipeline,
                 descriptor: &mut RenderPipelineDescriptor,
                 layout: &MeshVertexBufferLayoutRef,
-                _key: MaterialPipelineKey<Self>,
+                key: MaterialPipelineKey<Self>,
             ) -> Result<(), SpecializedMeshPipelineError> {
-                if $two_sided {
-                    descriptor.primitive.cull_mode = None;
+                let define: fn(MaterialPipelineKey<Self>) -> Option<&'static str> = $define;
+                if let (Some(name), Some(fragment)) = (define(key), &mut descriptor.fragment) {
+                    fragment.shader_defs.push(name.into());
                 }
                 vertex_layout(descriptor, layout)
             }
@@ -221,7 +255,14 @@ macro_rules! eye_material {
     };
 }
 
-eye_material!(GlobeMaterial, shaders::GLOBE, AlphaMode::Opaque, false);
-eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, true);
-eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, true);
-eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, true);
+// A mask that lets everything through: masked meshes are drawn after opaque ones, so that the lids
+// have hidden most of the globe before its costly pixels are shaded.
+eye_material!(
+    GlobeMaterial,
+    shaders::GLOBE,
+    AlphaMode::Mask(0.0),
+    |key| (key.bind_group_data.0 == GlobePart::Cornea).then_some("CORNEA")
+);
+eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, |_| None);
+eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, |_| None);
+eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, |_| None);

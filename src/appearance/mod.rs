@@ -21,13 +21,15 @@ pub mod iris_map;
 pub mod lashes;
 pub mod lid_profile;
 pub mod lids;
+pub mod light_table;
 pub mod materials;
 pub mod noise;
 pub mod parts;
 pub mod sclera_map;
+pub mod skin_map;
 pub mod subdivide;
 
-pub use eye_camera::{EyeCamera, EyeOrbit};
+pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality};
 pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, Studio};
 pub use parts::EyeParts;
 
@@ -47,6 +49,7 @@ impl Plugin for AppearancePlugin {
             MaterialPlugin::<MeniscusMaterial>::default(),
         ))
         .init_resource::<EyeOrbit>()
+        .init_resource::<EyeQuality>()
         .init_resource::<EyeParts>()
         .add_systems(
             Update,

@@ -3,13 +3,14 @@
 use super::eye_camera::{EYE_LAYER, EyeCamera, camera_bundle};
 use super::brow::Brow;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
-use super::globe_mesh::globe_mesh;
+use super::globe_mesh::globe_meshes;
 use super::hair::{HairMesh, RINGS, SIDES};
 use super::images::{map_image, mip_chain};
 use super::iris_map::{IrisMap, IrisMapSettings};
 use super::lashes::Lashes;
+use super::light_table::{LAMPS, LightTableSettings, SIDE};
 use super::materials::{
-    GlobeMaterial, GlobeUniform, HairMaterial, HairUniform, LID_HALF_SPAN_MM, LID_SAMPLES,
+    GlobeMaterial, GlobePart, GlobeUniform, HairMaterial, HairUniform, LID_HALF_SPAN_MM, LID_SAMPLES,
     LidHeights, MeniscusMaterial, MeniscusUniform, SkinMaterial, SkinUniform, Studio,
 };
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
@@ -22,6 +23,7 @@ use crate::tissue::iris_reflectance::{IrisPigment, IrisReflectanceTable};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 
 /// Everything about the eye that is on screen, and a version that counts its changes.
@@ -36,9 +38,10 @@ pub struct EyeParts {
     pose: Option<LidPose>,
     shape: Option<GlobeShape>,
     lids: LidHeights,
-    head_from_eye: Quat,
+    head_from_eye: Option<Quat>,
     pupil_radius_mm: f32,
-    globe: Option<(Entity, Handle<GlobeMaterial>)>,
+    globe: Vec<(Entity, Handle<GlobeMaterial>)>,
+    lights: Option<(LightTableSettings, Handle<Image>)>,
     skin: Option<Handle<Mesh>>,
     lash_mesh: Option<Handle<Mesh>>,
     meniscus_mesh: Option<Handle<Mesh>>,
@@ -122,27 +125,44 @@ pub fn build_eye(
         }
     };
     let layer = RenderLayers::layer(EYE_LAYER);
+    // A small panel cannot show what the large maps hold.
+    let fine = panels.eye.size.min_element() > 560;
     let maps = [
-        images.add(iris_image(iris)),
-        images.add(sclera_image(eye, sclera)),
+        images.add(iris_image(iris, fine)),
+        images.add(sclera_image(eye, sclera, fine)),
         images.add(reflectance_image(iris)),
     ];
     ledger.bytes_uploaded(maps.iter().filter_map(|map| images.get(map)).map(|image| image.data.as_ref().map_or(0, Vec::len) as u64).sum());
     let [iris_map, sclera_map, reflectance_map] = maps;
-    let globe = globes.add(GlobeMaterial {
-        globe: static_uniform(eye, cornea, iris, &shape),
-        iris_map,
-        sclera_map,
-        reflectance_map,
-    });
-    let globe_entity = commands
-        .spawn((
-            EyePart,
-            Mesh3d(meshes.add(globe_mesh(&shape))),
-            MeshMaterial3d(globe.clone()),
-            layer.clone(),
-        ))
-        .id();
+    let uniform = static_uniform(eye, cornea, iris, &shape);
+    let light_table = images.add(map_image(
+        &[((LAMPS * SIDE) as u32, SIDE as u32, vec![[0.0; 4]; LAMPS * SIDE * SIDE])],
+        false,
+    ));
+    parts.globe.clear();
+    for (part, mesh) in [GlobePart::Cornea, GlobePart::Sclera]
+        .into_iter()
+        .zip(globe_meshes(&shape))
+    {
+        let material = globes.add(GlobeMaterial {
+            part,
+            globe: uniform,
+            iris_map: iris_map.clone(),
+            sclera_map: sclera_map.clone(),
+            reflectance_map: reflectance_map.clone(),
+            light_table: light_table.clone(),
+        });
+        let entity = commands
+            .spawn((
+                EyePart,
+                Mesh3d(meshes.add(mesh)),
+                MeshMaterial3d(material.clone()),
+                layer.clone(),
+            ))
+            .id();
+        parts.globe.push((entity, material));
+    }
+    parts.lights = Some((light_settings(cornea, iris), light_table));
 
     if parts.region.is_none() {
         match EyeRegion::load() {
@@ -153,7 +173,7 @@ pub fn build_eye(
     parts.lashes = Some(Lashes::new(iris.seed));
     parts.pose = None;
     parts.shape = Some(shape);
-    parts.globe = Some((globe_entity, globe));
+    parts.head_from_eye = None;
 
     // The meshes of the moving parts are filled by `move_lids`.
     let skin_mesh = meshes.add(empty_mesh());
@@ -171,7 +191,9 @@ pub fn build_eye(
                 studio,
                 albedo: albedo.extend(0.42),
                 flesh: (Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * albedo.x)).extend(1.0),
+                globe: Vec4::new(eye.scleral_radius_mm as f32, 0.0, 0.0, 0.0),
             },
+            skin_map: images.add(skin_image(iris.seed)),
         })),
         mirror,
         NoFrustumCulling,
@@ -229,11 +251,11 @@ fn side(laterality: Laterality) -> f32 {
     }
 }
 
-fn iris_image(iris: &Iris) -> Image {
+fn iris_image(iris: &Iris, fine: bool) -> Image {
     let map = IrisMap::new(
         &iris_settings(iris),
-        2048,
-        512,
+        if fine { 2048 } else { 1024 },
+        if fine { 512 } else { 256 },
     );
     map_image(&map.levels(), true)
 }
@@ -263,7 +285,29 @@ fn iris_settings(iris: &Iris) -> IrisMapSettings {
     }
 }
 
-fn sclera_image(eye: &Eye, sclera: &Sclera) -> Image {
+fn skin_image(seed: u64) -> Image {
+    let side = super::skin_map::SIDE as u32;
+    let tile = super::skin_map::skin_tile(fold(seed));
+    let mut image = map_image(&mip_chain((side, side, tile)), true);
+    if let bevy::image::ImageSampler::Descriptor(sampler) = &mut image.sampler {
+        sampler.address_mode_v = bevy::image::ImageAddressMode::Repeat;
+    }
+    image
+}
+
+/// The studio's lamps as the light table wants them; their directions are set when the eye turns.
+fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
+    LightTableSettings {
+        surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
+        index: cornea.aqueous_index,
+        iris_z: iris.depth_mm,
+        root_mm: iris.root_radius_mm,
+        limbus_mm: cornea.limbus_radius_mm,
+        lamps: [DVec3::NEG_Z; LAMPS],
+    }
+}
+
+fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
     let map = ScleraMap::new(
         &ScleraMapSettings {
             seed: fold(sclera.seed),
@@ -271,7 +315,7 @@ fn sclera_image(eye: &Eye, sclera: &Sclera) -> Image {
             redness: sclera.redness as f32,
             ..ScleraMapSettings::default()
         },
-        1024,
+        if fine { 1024 } else { 512 },
     );
     map_image(&map.levels(), false)
 }
@@ -347,8 +391,10 @@ pub fn move_eye(
     patient: Query<(&Eye, &GazeController, &Pupil)>,
     mut parts: ResMut<EyeParts>,
     mut globes: ResMut<Assets<GlobeMaterial>>,
+    mut images: ResMut<Assets<Image>>,
     mut transforms: Query<&mut Transform>,
     panels: Res<Panels>,
+    ledger: Res<WorkLedger>,
 ) {
     let Ok((eye, gaze, pupil)) = patient.single() else {
         return;
@@ -358,27 +404,35 @@ pub fn move_eye(
     }
     let rotation = globe_rotation(gaze);
     let radius = (pupil.diameter_mm * 0.5) as f32;
-    let Some((entity, material)) = parts.globe.clone() else {
-        return;
-    };
-    let same = parts.head_from_eye == rotation
-        && parts.pupil_radius_mm == radius
-        && globes.get(&material).is_some_and(|m| m.globe.iris.z == radius);
-    if same {
+    if parts.head_from_eye == Some(rotation) && parts.pupil_radius_mm == radius {
         return;
     }
-    parts.head_from_eye = rotation;
+    let turned = parts.head_from_eye != Some(rotation);
+    parts.head_from_eye = Some(rotation);
     parts.pupil_radius_mm = radius;
     parts.version += 1;
-    if let Ok(mut transform) = transforms.get_mut(entity) {
-        transform.rotation = rotation;
+    let nasal = -side(eye.laterality);
+    for (entity, material) in &parts.globe {
+        if let Ok(mut transform) = transforms.get_mut(*entity) {
+            transform.rotation = rotation;
+        }
+        if let Some(mut material) = globes.get_mut(material) {
+            material.globe.head_from_eye = Mat4::from_quat(rotation);
+            material.globe.iris.z = radius;
+            material.globe.pupil.x = nasal * pupil.decentration_mm[0] as f32;
+            material.globe.pupil.y = pupil.decentration_mm[1] as f32;
+        }
     }
-    if let Some(mut material) = globes.get_mut(&material) {
-        let nasal = -side(eye.laterality);
-        material.globe.head_from_eye = Mat4::from_quat(rotation);
-        material.globe.iris.z = radius;
-        material.globe.pupil.x = nasal * pupil.decentration_mm[0] as f32;
-        material.globe.pupil.y = pupil.decentration_mm[1] as f32;
+    if let Some((settings, table)) = parts.lights.as_mut().filter(|_| turned) {
+        let studio = Studio::default();
+        let eye_from_head = rotation.inverse();
+        settings.lamps = [studio.key_direction, studio.fill_direction]
+            .map(|lamp| (eye_from_head * lamp.truncate()).as_dvec3().normalize_or(DVec3::NEG_Z));
+        let level = ((LAMPS * SIDE) as u32, SIDE as u32, settings.texels());
+        // Under the same handle: the materials, changed above, bind the new texture.
+        if images.insert(table.id(), map_image(&[level], false)).is_ok() {
+            ledger.bytes_uploaded((LAMPS * SIDE * SIDE * 8) as u64);
+        }
     }
 }
 
@@ -459,10 +513,10 @@ pub fn move_lids(
     ledger.bytes_uploaded(vertices as u64 * 48);
     parts.pose = Some(pose);
     parts.version += 1;
-    if let Some((_, material)) = &parts.globe
-        && let Some(mut material) = globes.get_mut(material)
-    {
-        material.globe.lids = parts.lids;
+    for (_, material) in &parts.globe {
+        if let Some(mut material) = globes.get_mut(material) {
+            material.globe.lids = parts.lids;
+        }
     }
 }
 

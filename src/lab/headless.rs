@@ -2,6 +2,7 @@
 
 use crate::app::{
     Drive, FramePlugin, Panels, Session, SessionCommand, SimulationClock, add_ocularium,
+    device_settings,
 };
 use crate::ledger::{Work, WorkLedger};
 use crate::motion::Motion;
@@ -63,7 +64,9 @@ pub struct Headless {
 
 /// Is there anything to draw with? Bevy would stop the program where this gives a sentence.
 pub fn require_device() -> Result<(), HeadlessError> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
+    description.backends = device_settings().backends.unwrap_or_default();
+    let instance = wgpu::Instance::new(description);
     let options = wgpu::RequestAdapterOptions::default();
     bevy::tasks::block_on(instance.request_adapter(&options))
         .map(|_| ())
@@ -90,6 +93,7 @@ impl Headless {
                 })
                 .set(RenderPlugin {
                     synchronous_pipeline_compilation: true,
+                    render_creation: device_settings().into(),
                     ..default()
                 }),
         );

@@ -87,8 +87,7 @@ pub fn settings(session: &Session, held_pupil_mm: Option<f64>) -> OculomotorSett
 fn mean_luminance(scene: &LoadedScene) -> f64 {
     match scene {
         LoadedScene::Model(model) => model.mean_luminance_cd_m2,
-        // A photograph carries no photometry: a bright screen.
-        LoadedScene::Photo(_) => 80.0,
+        LoadedScene::Photo(photo) => photo.mean_luminance_cd_m2,
     }
 }
 

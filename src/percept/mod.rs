@@ -24,9 +24,6 @@ pub mod view;
 pub mod visual_field;
 pub mod work;
 
-#[cfg(test)]
-mod attention_tests;
-
 pub use frame::{PerceptFrame, PerceptReturn, SceneCamera};
 pub use view::{Percept, ViewOptions};
 

@@ -34,7 +34,7 @@ const LARGEST_TEXTURE: u32 = 8192;
 /// Below this opening of the lids nothing new is seen.
 const SEEING_APERTURE: f64 = 0.25;
 /// Brightness of the picture against its mean luminance: the mean becomes this shade of grey.
-const MIDDLE_GREY: f64 = 0.20;
+const MIDDLE_GREY: f64 = 0.30;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -78,6 +78,7 @@ pub struct Percept {
     scene_version: u64,
     restarts: u64,
     forget_scene: bool,
+    waited: u32,
     forget: bool,
     photo: Option<(Handle<Image>, Handle<Image>)>,
     placement: EyePlacement,
@@ -302,6 +303,7 @@ pub fn drive_capture(
     session: Res<Session>,
     readiness: Res<Readiness>,
     mut clock: ResMut<SimulationClock>,
+    mut candidates: ResMut<Candidates>,
     mut percept: ResMut<Percept>,
     mut images: ResMut<Assets<Image>>,
     mut camera: Query<(&mut Camera, &mut Projection, &mut RenderTarget), With<SceneCamera>>,
@@ -313,14 +315,18 @@ pub fn drive_capture(
         for (mut camera, _, _) in &mut camera {
             camera.is_active = false;
         }
-        if percept.captured.serial == 0 {
-            clock.ready = readiness.quiet_frames() >= 3;
+        if percept.captured.serial == 0 && !clock.ready && readiness.quiet_frames() >= 3 {
+            // An eye that is shown alone still looks about; no pass of the view runs for it.
+            candidates.list = idle_candidates(session.seed);
+            candidates.version += 1;
+            clock.ready = true;
         }
         return;
     }
     if percept.size != size {
         percept.size = size;
         percept.stage = Stage::Wanted;
+        percept.waited = 0;
         readiness.restart();
         match &*session.scene {
             LoadedScene::Model(_) => {
@@ -345,16 +351,39 @@ pub fn drive_capture(
             }
         }
     }
-    let drawing = percept.stage != Stage::Done;
+    // The camera draws twice: once so that its pipelines are asked for, once for the capture.
+    if percept.stage == Stage::Wanted && readiness.quiet_frames() >= 4 {
+        percept.stage = Stage::Asked;
+        percept.serial += 1;
+        percept.waited = 0;
+    } else {
+        percept.waited += 1;
+    }
+    let drawing = match percept.stage {
+        Stage::Wanted => percept.waited <= 2,
+        // A capture whose pipelines were late is tried again, not drawn in vain every frame.
+        Stage::Asked => percept.waited % 4 == 0,
+        Stage::Done => false,
+    };
     for (mut camera, _, _) in &mut camera {
         if camera.is_active != drawing {
             camera.is_active = drawing;
         }
     }
-    if percept.stage == Stage::Wanted && readiness.quiet_frames() >= 4 {
-        percept.stage = Stage::Asked;
-        percept.serial += 1;
-    }
+}
+
+/// Where an eye looks whose view is not shown: places of a room that nobody sees, by seed.
+fn idle_candidates(seed: u64) -> Vec<Candidate> {
+    use rand::{RngExt, SeedableRng};
+    let mut random = rand_pcg::Pcg64::seed_from_u64(seed ^ 0x1d1e);
+    (0..160)
+        .map(|_| Candidate {
+            azimuth_rad: f64::to_radians(random.random_range(-22.0..22.0)),
+            elevation_rad: f64::to_radians(random.random_range(-16.0..14.0)),
+            score: random.random_range(10.0..80.0),
+            distance_m: f64::exp(random.random_range(f64::ln(0.4)..f64::ln(6.0))),
+        })
+        .collect()
 }
 
 fn supersampling(size: UVec2) -> u32 {
@@ -583,6 +612,7 @@ mod tests {
         let field = VisualField::glaucoma(
             crate::anatomy::GlaucomaStage::Moderate,
             crate::anatomy::Laterality::OD,
+            60.0,
         );
         let texels = field_texels(&field);
         let at = |column: usize, row: usize| texels[row * FIELD_SIDE as usize + column];

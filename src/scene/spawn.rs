@@ -15,7 +15,7 @@ use bevy::render::render_resource::{
 };
 
 /// Layer of everything that is looked at.
-pub const SCENE_LAYER: usize = 1;
+pub const SCENE_LAYER: usize = 31;
 
 /// Marks what belongs to the scene that is looked at.
 #[derive(Component)]

@@ -65,9 +65,9 @@ impl IrisPigment {
     };
     /// Dense melanin in both layers, most of it eumelanin.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.03,
-        border_layer_melanin_fraction: 0.3,
-        eumelanin_ratio: 0.7,
+        stroma_melanin_fraction: 0.02,
+        border_layer_melanin_fraction: 0.42,
+        eumelanin_ratio: 0.4,
     };
 
     /// Fractions clamped to their ranges; what is not a number counts as none.

@@ -29,7 +29,7 @@ pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     numbers(ui, controlled);
     ledger(ui, state);
     ui.add_space(6.0);
-    ui.weak("Space pause · . step · R restart · 1 2 B panels · M marker. Drag the eye to walk around it, scroll to come nearer, double-click to come back. Click in the view to look there.");
+    ui.weak("Space pause · . step · R restart · 1 2 B panels · M marker · H hide this. Drag the eye to walk around it, scroll to come nearer, double-click for the front. Click in the view to look there.");
 }
 
 fn patient(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
@@ -106,13 +106,14 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             clock.paused = !clock.paused;
         }
         if ui
-            .add_enabled(clock.paused, egui::Button::new("Step"))
-            .on_hover_text("one sixtieth of a second")
+            .button("Step")
+            .on_hover_text("one sixtieth of a second, then pause")
             .clicked()
         {
+            clock.paused = true;
             clock.steps += 1;
         }
-        if ui.button("Reset").clicked() {
+        if ui.button("Restart").clicked() {
             let seed = state.seed.trim().parse().unwrap_or(controlled.session.seed);
             controlled.session_commands.write(SessionCommand::Restart(seed));
         }
@@ -122,7 +123,7 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         let field = ui.add(egui::TextEdit::singleline(&mut state.seed).desired_width(90.0));
         let valid = state.seed.trim().parse::<u64>();
         if valid.is_err() {
-            ui.colored_label(ui.visuals().error_fg_color, "a whole number ≥ 0");
+            ui.colored_label(ui.visuals().error_fg_color, "a whole number from 0");
         }
         if field.lost_focus()
             && let Ok(seed) = valid
@@ -228,7 +229,7 @@ fn numbers(ui: &mut Ui, controlled: &Controlled) {
             ),
         );
         row("fixates at", distance(state.fixation_distance_m));
-        row("accommodation", format!("{:.2} D", state.accommodation_d));
+        row("lens", format!("{:.2} D", state.accommodation_d));
         row("pupil", format!("{:.2} mm", state.pupil_mm));
         row("fixations", state.fixation_index.to_string());
         row("blinks", state.blink_epoch.to_string());

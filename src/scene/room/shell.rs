@@ -126,13 +126,8 @@ pub(super) fn build(set: &mut Set, extent: Extent) {
         Vec3::Z * depth,
         Vec3::Y * ceiling,
         0.5,
-    )
-    .moved(glam::Affine3A::IDENTITY);
-    set.add(
-        "right wall",
-        flipped(right_wall.uv_scaled(depth, ceiling)),
-        cream,
     );
+    set.add("right wall", right_wall.uv_scaled(depth, ceiling), cream);
     let back = Shape::sheet(
         Vec3::new(right, 0.0, near),
         Vec3::NEG_X * width,
@@ -144,13 +139,6 @@ pub(super) fn build(set: &mut Set, extent: Extent) {
     windows(set, extent);
     curtains(set, extent);
     rug(set);
-}
-
-/// Turns the front to the other side.
-fn flipped(mut shape: Shape) -> Shape {
-    shape.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
-    shape.normals.iter_mut().for_each(|n| *n = -*n);
-    shape
 }
 
 /// A wall in the xy plane, facing +z, from x `from` to `to`, with openings in ascending order of

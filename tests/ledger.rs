@@ -1,0 +1,285 @@
+//! What is hidden, paused or absent costs nothing: proved by the ledger of work.
+
+use crate::stage::{alone, look, open, patient, session, settle};
+use bevy::asset::Assets;
+use bevy::image::Image;
+use bevy::math::UVec2;
+use bevy::prelude::Mut;
+use ocularium::app::{Panels, SessionCommand};
+use ocularium::lab::headless::{Headless, Which};
+use ocularium::ledger::Work;
+use ocularium::motion::MotionCommand;
+use ocularium::percept::Percept;
+use ocularium::percept::gpu_data::PerceptUniform;
+use ocularium::percept::pipelines::{Pass, Pipelines};
+use ocularium::scene::catalog::LoadedScene;
+use ocularium::scene::room::room_scaled;
+use std::sync::Arc;
+
+const STEP_S: f64 = 1.0 / 60.0;
+const FRAMES: u64 = 8;
+/// Bytes of one vertex of lids and lashes.
+const VERTEX_BYTES: u64 = 48;
+/// What a frame of the eye may upload besides: its uniforms and the table of light on the iris.
+const EYE_BYTES: u64 = 16 << 10;
+
+/// A running app and its time.
+struct Run {
+    headless: Headless,
+    time_s: f64,
+}
+
+impl Run {
+    /// Eight frames with a blink in them, so that lids, view and field all have something to do.
+    fn play(&mut self) -> Work {
+        let before = self.headless.work();
+        self.headless.world().write_message(MotionCommand::Blink);
+        for _ in 0..FRAMES {
+            self.time_s += STEP_S;
+            self.headless.go_to(self.time_s);
+        }
+        let work = self.headless.work().since(before);
+        // The blink ends before the next one is asked for.
+        self.time_s += 0.5;
+        self.headless.go_to(self.time_s);
+        work
+    }
+
+    fn show(&mut self, eye: bool, view: bool) {
+        let mut panels = self.headless.world().resource_mut::<Panels>();
+        panels.eye.visible = eye;
+        panels.view.visible = view;
+    }
+
+    fn resize(&mut self, which: Which, size: UVec2) {
+        let world = self.headless.world();
+        world.resource_scope(|world, mut panels: Mut<Panels>| {
+            let mut images = world.resource_mut::<Assets<Image>>();
+            let panel = match which {
+                Which::Eye => &mut panels.eye,
+                Which::View => &mut panels.view,
+            };
+            assert!(panel.resize(&mut images, size), "the size is another one");
+        });
+    }
+
+    fn keys(&mut self) -> Vec<(Pass, bool)> {
+        self.headless.render_world().resource::<Pipelines>().keys()
+    }
+}
+
+#[test]
+fn what_is_hidden_paused_or_unchanged_costs_nothing() {
+    let _alone = alone();
+    let size = UVec2::splat(96);
+    let headless = open(
+        session(patient("healthy-brown"), 5),
+        size,
+        size,
+        [true, true],
+    );
+    let mut run = Run {
+        headless,
+        time_s: 0.0,
+    };
+    settle(&mut run.headless);
+    // A gaze that stays: in flight nothing is seen, and the field would rest.
+    look(&mut run.headless, 0.0, 0.0, 3.0);
+    run.headless.go_to(0.1);
+    run.headless.go_to(1.0);
+    run.time_s = 1.0;
+
+    hidden_panels_do_no_work(&mut run);
+    a_standing_clock_costs_nothing(&mut run);
+    a_new_size_captures_once(&mut run);
+    uploads_are_bounded(&mut run);
+    glaucoma_runs_only_for_who_has_it(&mut run);
+}
+
+fn hidden_panels_do_no_work(run: &mut Run) {
+    let both = run.play();
+    assert!(both.eye_passes > 0 && both.lid_poses > 0, "{both:?}");
+    assert!(both.view_passes > 0 && both.field_updates > 0, "{both:?}");
+    // One pass a frame at most, and the blink hides some updates of the field.
+    assert!(
+        both.eye_passes <= FRAMES && both.view_passes <= FRAMES,
+        "{both:?}"
+    );
+    assert!(
+        both.field_updates < FRAMES,
+        "behind closed lids nothing is seen: {both:?}"
+    );
+
+    run.show(false, true);
+    let view_alone = run.play();
+    assert!(
+        view_alone.view_passes > 0 && view_alone.field_updates > 0,
+        "{view_alone:?}"
+    );
+    let of_the_eye = Work {
+        eye_passes: view_alone.eye_passes,
+        eye_pixels: view_alone.eye_pixels,
+        lid_poses: view_alone.lid_poses,
+        lid_vertices: view_alone.lid_vertices,
+        ..Work::default()
+    };
+    assert_eq!(of_the_eye, Work::default());
+
+    run.show(true, false);
+    let eye_alone = run.play();
+    assert!(
+        eye_alone.eye_passes > 0 && eye_alone.lid_poses > 0,
+        "{eye_alone:?}"
+    );
+    let only_the_eye = Work {
+        eye_passes: eye_alone.eye_passes,
+        eye_pixels: eye_alone.eye_pixels,
+        lid_poses: eye_alone.lid_poses,
+        lid_vertices: eye_alone.lid_vertices,
+        bytes_uploaded: eye_alone.bytes_uploaded,
+        ..Work::default()
+    };
+    assert_eq!(eye_alone, only_the_eye, "the hidden view did something");
+
+    run.show(false, false);
+    assert_eq!(run.play(), Work::default());
+    run.show(true, true);
+    settle(&mut run.headless);
+}
+
+fn a_standing_clock_costs_nothing(run: &mut Run) {
+    run.time_s += STEP_S;
+    run.headless.go_to(run.time_s);
+    let before = run.headless.work();
+    for _ in 0..3 {
+        run.headless.go_to(run.time_s);
+        run.headless.stand_still();
+    }
+    assert_eq!(run.headless.work().since(before), Work::default());
+    // And the same count is not zero when the clock moves.
+    run.time_s += STEP_S;
+    run.headless.go_to(run.time_s);
+    assert_ne!(run.headless.work().since(before), Work::default());
+}
+
+fn a_new_size_captures_once(run: &mut Run) {
+    assert_eq!(run.play().feature_passes, 0, "the view did not change");
+    let before = run.headless.work();
+    run.resize(Which::View, UVec2::new(128, 112));
+    settle(&mut run.headless);
+    let work = run.headless.work().since(before);
+    assert_eq!(
+        (work.feature_passes, work.view_captures),
+        (1, 1),
+        "{work:?}"
+    );
+    assert!(work.view_passes > 0, "the new size is shown: {work:?}");
+    let picture = run.headless.panel(Which::View).expect("a picture");
+    assert_eq!(picture.dimensions(), (128, 112));
+
+    let before = run.headless.work();
+    run.resize(Which::Eye, UVec2::new(112, 128));
+    settle(&mut run.headless);
+    let work = run.headless.work().since(before);
+    assert!(work.eye_passes > 0, "{work:?}");
+    assert_eq!(
+        (work.feature_passes, work.view_captures),
+        (0, 0),
+        "{work:?}"
+    );
+    let after = run.play();
+    assert_eq!(
+        (
+            after.feature_passes,
+            after.view_captures,
+            after.scene_passes
+        ),
+        (0, 0, 0)
+    );
+}
+
+fn uploads_are_bounded(run: &mut Run) {
+    let uniform = size_of::<PerceptUniform>() as u64;
+    let both = run.play();
+    let most = FRAMES * (uniform + EYE_BYTES) + both.lid_vertices * VERTEX_BYTES;
+    assert!(
+        both.bytes_uploaded > 0 && both.bytes_uploaded <= most,
+        "{both:?}"
+    );
+    run.show(false, true);
+    let small = run.play();
+    assert!(small.bytes_uploaded <= FRAMES * uniform, "{small:?}");
+    run.resize(Which::View, UVec2::splat(192));
+    settle(&mut run.headless);
+    let large = run.play();
+    // A view of 2.6 times the pixels uploads what the small one did: the uniform.
+    assert!(large.view_pixels > 2 * small.view_pixels, "{large:?}");
+    assert!(large.bytes_uploaded <= FRAMES * uniform, "{large:?}");
+    run.resize(Which::View, UVec2::splat(96));
+    run.show(true, true);
+    settle(&mut run.headless);
+}
+
+fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
+    assert_eq!(
+        run.headless.work().glaucoma_passes,
+        0,
+        "nobody has had glaucoma"
+    );
+    let healthy = run.keys();
+    assert!(healthy.contains(&(Pass::Present, false)), "{healthy:?}");
+    assert!(healthy.iter().all(|(_, glaucoma)| !glaucoma), "{healthy:?}");
+
+    let mut change = |name: &str| {
+        let command = SessionCommand::Patient(Box::new(patient(name)));
+        run.headless.command(command);
+        run.headless.go_to(0.0);
+        settle(&mut run.headless);
+        run.time_s = 0.0;
+        run.play()
+    };
+    let work = change("glaucoma-moderate");
+    assert!(work.glaucoma_passes > 0, "{work:?}");
+    assert_eq!(
+        work.glaucoma_passes, work.view_passes,
+        "every picture shows the loss"
+    );
+    let work = change("healthy-blue");
+    assert!(work.view_passes > 0, "{work:?}");
+    assert_eq!(work.glaucoma_passes, 0, "the next patient is healthy");
+    let keys = run.keys();
+    for pass in [Pass::UpdateField, Pass::ReadBlur, Pass::Present] {
+        assert!(keys.contains(&(pass, true)), "{pass:?} in {keys:?}");
+    }
+    // Passes that do not know the disease have one form.
+    assert!(!keys.contains(&(Pass::FastStrength, true)), "{keys:?}");
+}
+
+#[test]
+fn the_field_holds_what_is_seen_and_not_the_rooms_volume() {
+    let _alone = alone();
+    let size = UVec2::splat(96);
+    let session = session(patient("healthy-brown"), 5);
+    let mut headless = open(session, UVec2::splat(16), size, [false, true]);
+    settle(&mut headless);
+    let voxels = |headless: &mut Headless| {
+        f64::from(headless.world().resource::<Percept>().captured().occupied)
+    };
+    let small = voxels(&mut headless);
+    let model = room_scaled(8.0).expect("a larger room");
+    let scene = Arc::new(LoadedScene::Model(Box::new(model)));
+    headless.command(SessionCommand::Scene(scene));
+    look(&mut headless, 0.0, 0.0, 3.0);
+    settle(&mut headless);
+    let large = voxels(&mut headless);
+    let pixels = f64::from(size.x * size.y);
+    for count in [small, large] {
+        assert!(
+            count > 0.3 * pixels && count <= pixels,
+            "{count} voxels of {pixels} pixels"
+        );
+    }
+    // Walls that stand farther off fill a few more voxels; a dense grid would need 8 times as many.
+    let ratio = large / small;
+    assert!((0.9..=1.1).contains(&ratio), "{small} and {large} voxels");
+}

@@ -1,0 +1,409 @@
+//! How the view is seen: retina, corners, the sharpness field's keys and voxels, the gather's
+//! kernel, the lids.
+
+use super::{between, pass, unit};
+use crate::gpu::Twin;
+use ocularium::percept::{fast, gather, sharpness_field as field};
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+/// A whole number below `count`, which f32 holds exactly up to 2^24.
+fn whole(rng: &mut Pcg64, count: u32) -> f32 {
+    rng.random_range(0..count) as f32
+}
+
+fn d3(x: &[f64]) -> [f64; 3] {
+    [x[0], x[1], x[2]]
+}
+
+fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+/// Two directions of a view: within 60° of straight ahead.
+fn two_directions(rng: &mut Pcg64) -> Vec<f32> {
+    let mut near_ahead = || loop {
+        let v = unit(rng);
+        if v[2] < -0.5 {
+            return v;
+        }
+    };
+    [near_ahead(), near_ahead()].concat()
+}
+
+#[test]
+fn retinal_blur() {
+    pass(&Twin {
+        name: "neural_blur",
+        library: &["retinal_blur"],
+        call: "y[0] = neural_blur(x[0], x[1], x[2]);",
+        draw: &|rng| {
+            vec![
+                between(rng, 0.0, 1.5),
+                between(rng, 1e-4, 1e-3),
+                between(rng, 0.02, 0.1),
+            ]
+        },
+        exact: &|x| vec![gather::neural_blur(x[0], x[1], x[2])],
+        absolute: 0.0,
+        // A quotient (2.5 roundings by the WGSL rules), a sum and a product.
+        relative: 5e-7,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "combined_blur",
+        library: &["retinal_blur"],
+        call: "y[0] = combined_blur(x[0], x[1]);",
+        draw: &|rng| {
+            (0..2)
+                .map(|_| 10.0_f32.powf(between(rng, -6.0, 0.5)))
+                .collect()
+        },
+        exact: &|x| vec![gather::combined_blur(x[0], x[1])],
+        absolute: 0.0,
+        relative: 3e-7,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "view_ray",
+        library: &["retinal_blur"],
+        call: "let r = view_ray(vec2f(x[0], x[1]), vec2f(x[2], x[3]), vec2f(x[4], x[5])); \
+               y[0] = r.x; y[1] = r.y; y[2] = r.z;",
+        draw: &|rng| {
+            let size = [16.0 + whole(rng, 4000), 16.0 + whole(rng, 4000)];
+            let place = size.map(|side| between(rng, 0.0, side));
+            let tan_half = [between(rng, 0.05, 2.0), between(rng, 0.05, 2.0)];
+            [place, size, tan_half].concat()
+        },
+        exact: &|x| gather::view_ray([x[0], x[1]], [x[2], x[3]], [x[4], x[5]]).to_vec(),
+        absolute: 6e-7,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "angle_between",
+        library: &["retinal_blur"],
+        call: "y[0] = angle_between(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]));",
+        draw: &two_directions,
+        exact: &|x| vec![gather::angle_between(d3(x), d3(&x[3..]))],
+        // Devices take asin of large arguments by polynomials that are good to some 7e-5 (the WGSL
+        // rules allow more): 0.5 arcmin at 90°, where the retina resolves no less than 30.
+        absolute: 1.5e-4,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "perimetric_angles",
+        library: &["retinal_blur"],
+        call: "let a = perimetric_angles(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5])); \
+               y[0] = a.x; y[1] = a.y;",
+        draw: &two_directions,
+        exact: &|x| gather::perimetric_angles(d3(x), d3(&x[3..])).to_vec(),
+        // The same angle; near 120° apart the component across is small against its roundings.
+        absolute: 1.5e-4,
+        relative: 0.0,
+        steep_share: 0.005,
+    });
+}
+
+#[test]
+fn angles_of_neighbouring_pixels_keep_their_digits() {
+    // Directions a thousandth of a radian apart, as far as f32 tells them apart.
+    pass(&Twin {
+        name: "angle_between, small",
+        library: &["retinal_blur"],
+        call: "y[0] = angle_between(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]));",
+        draw: &|rng| {
+            let (a, off) = (unit(rng), unit(rng));
+            let along = dot(&a, &off);
+            let b: [f32; 3] = core::array::from_fn(|i| a[i] + 1e-3 * (off[i] - along * a[i]));
+            [a, b].concat()
+        },
+        exact: &|x| vec![gather::angle_between(d3(x), d3(&x[3..]))],
+        // A difference of neighbours is exact; acos of the dot product would be off by a tenth.
+        absolute: 0.0,
+        relative: 1e-6,
+        steep_share: 0.0,
+    });
+}
+
+/// Strength of the middle of a 7 × 7 image whose ring and centre are given, by the detector.
+fn strength(x: &[f64]) -> f64 {
+    let mut image = [0_u8; 49];
+    image[24] = x[16] as u8;
+    for (value, (dx, dy)) in x.iter().zip(fast::RING) {
+        image[((3 + dy) * 7 + 3 + dx) as usize] = *value as u8;
+    }
+    let corners = fast::detect(&image, 7, 7, 0, false).expect("49 bytes");
+    // At a threshold of 0 every strength above 0 is a corner, and its score is one less.
+    corners
+        .first()
+        .map_or(0.0, |corner| f64::from(corner.score) + 1.0)
+}
+
+#[test]
+fn fast_strength() {
+    pass(&Twin {
+        name: "fast_strength_of",
+        library: &["fast_strength"],
+        call: "var d: array<i32, 16>; \
+               for (var k = 0u; k < 16u; k++) { d[k] = i32(x[k]) - i32(x[16]); } \
+               y[0] = f32(fast_strength_of(d));",
+        draw: &|rng| {
+            // An arc of 6 to 12 pixels to one side, the rest anywhere: many are corners.
+            let (centre, start) = (rng.random_range(0..=255_i32), rng.random_range(0..16_usize));
+            let (arc, side) = (
+                rng.random_range(6..=12_usize),
+                rng.random_range(0..2_i32) * 2 - 1,
+            );
+            let mut ring = [0.0_f32; 17];
+            for k in 0..16 {
+                let on_arc = k < arc;
+                let step = if on_arc {
+                    side * rng.random_range(1..120)
+                } else {
+                    rng.random_range(-120..120)
+                };
+                ring[(start + k) % 16] = (centre + step).clamp(0, 255) as f32;
+            }
+            ring[16] = centre as f32;
+            ring.to_vec()
+        },
+        exact: &|x| vec![strength(x)],
+        // Whole numbers.
+        absolute: 0.0,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+}
+
+/// Halves of a key: its epoch and its value, which f32 holds exactly.
+fn halves(key: u32) -> Vec<f64> {
+    vec![f64::from(key >> 24), f64::from(key & 0xFF_FFFF)]
+}
+
+const HALVES: &str = "y[0] = f32(key >> 24u); y[1] = f32(key & 0xFFFFFFu);";
+
+/// A key of parts: (epoch bits, value).
+fn key_of(x: &[f64]) -> u32 {
+    (x[0] as u32) << 24 | x[1] as u32
+}
+
+/// A stored key (top byte, value), the starvation now and the epoch now: mostly of this epoch.
+fn stored(rng: &mut Pcg64) -> [f32; 4] {
+    let epoch = rng.random_range(0..256_u32);
+    let starved = rng.random_range(0..field::STARVE_STEPS_MAX);
+    let top = if rng.random_bool(0.8) {
+        255 - epoch
+    } else {
+        rng.random_range(0..256)
+    };
+    let blur = rng.random_range(0..=field::LN_STEPS_MAX + 20_000);
+    let value = (field::STARVE_STEPS_MAX - starved + blur).min(0xFF_FFFF);
+    [top as f32, value as f32, starved as f32, epoch as f32]
+}
+
+#[test]
+fn sharpness_key() {
+    let encode = format!("let key = sharpness_key_encode(x[0], u32(x[1]), u32(x[2])); {HALVES}");
+    pass(&Twin {
+        name: "sharpness_key_encode",
+        library: &["sharpness_key"],
+        call: &encode,
+        draw: &|rng| {
+            let coc = 10.0_f32.powf(between(rng, -7.0, 1.5));
+            vec![
+                coc,
+                whole(rng, field::STARVE_STEPS_MAX + 1),
+                whole(rng, 256),
+            ]
+        },
+        exact: &|x| halves(field::sharpness_key_encode(x[0], x[1] as u32, x[2] as u8)),
+        // A logarithm in f32 may fall on the other side of a step's edge; the next one is wrong.
+        absolute: 1.0,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "sharpness_key_decode",
+        library: &["sharpness_key"],
+        call: "y[0] = sharpness_key_decode(u32(x[0]) << 24u | u32(x[1]), u32(x[2]), u32(x[3]), x[4]);",
+        draw: &|rng| [&stored(rng)[..], &[between(rng, 1e-3, 10.0)]].concat(),
+        exact: &|x| {
+            vec![field::sharpness_key_decode(
+                key_of(x),
+                x[2] as u32,
+                x[3] as u8,
+                x[4],
+            )]
+        },
+        // exp of 14 in f32: the argument's rounding, 1e-6, and the function's own. A step is 2.4e-4.
+        absolute: 1e-9,
+        relative: 5e-6,
+        steep_share: 0.0,
+    });
+    let rebase = format!(
+        "let key = sharpness_key_rebase(u32(x[0]) << 24u | u32(x[1]), \
+         select(u32(x[2]), 0xFFFFFFFFu, x[2] < 0.0), u32(x[3])); {HALVES}"
+    );
+    pass(&Twin {
+        name: "sharpness_key_rebase",
+        library: &["sharpness_key"],
+        call: &rebase,
+        draw: &|rng| {
+            let mut x = stored(rng);
+            // A negative number stands for forgetting everything.
+            if rng.random_bool(0.05) {
+                x[2] = -1.0;
+            }
+            x.to_vec()
+        },
+        exact: &|x| {
+            let steps = if x[2] < 0.0 { u32::MAX } else { x[2] as u32 };
+            halves(field::sharpness_key_rebase(key_of(x), steps, x[3] as u8))
+        },
+        // Whole numbers.
+        absolute: 0.0,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+}
+
+/// Points seen from near the field's origin, with a voxel side (0: by distance) and a voxel angle.
+fn seen_point(rng: &mut Pcg64, vergence: [f32; 2], side_m: f32) -> Vec<f32> {
+    let eye: [f32; 3] = core::array::from_fn(|_| between(rng, -0.1, 0.1));
+    let vergence = between(rng, vergence[0], vergence[1]);
+    let angle = between(rng, 1e-3, 2e-2);
+    [&eye[..], &unit(rng), &[vergence, side_m, angle]].concat()
+}
+
+#[test]
+fn sharpness_voxel() {
+    // Whether a point lies on this or that side of a cell's wall is decided by roundings when it
+    // lies within one: a thousand cells from the origin that is one point in some thousand.
+    type Draw = fn(&mut Pcg64) -> Vec<f32>;
+    let draws: [(&str, Draw, f64); 3] = [
+        (
+            "sharpness_voxel, by distance",
+            |rng| seen_point(rng, [0.05, 20.0], 0.0),
+            0.005,
+        ),
+        (
+            "sharpness_voxel, uniform",
+            |rng| seen_point(rng, [0.1, 20.0], 0.01),
+            0.005,
+        ),
+        (
+            "sharpness_voxel, sky",
+            |rng| seen_point(rng, [0.0, 9.9e-4], 0.01),
+            0.005,
+        ),
+    ];
+    for (name, draw, steep_share) in draws {
+        pass(&Twin {
+            name,
+            library: &["sharpness_voxel"],
+            call: "let v = sharpness_voxel(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), x[6], x[7], x[8]); \
+                   y[0] = f32(v.x); y[1] = f32(v.y); y[2] = f32(v.z); y[3] = f32(v.w);",
+            draw: &draw,
+            exact: &|x| {
+                field::sharpness_voxel(d3(x), d3(&x[3..]), x[6], x[7], x[8])
+                    .map(f64::from)
+                    .to_vec()
+            },
+            absolute: 0.0,
+            relative: 0.0,
+            steep_share,
+        });
+    }
+}
+
+#[test]
+fn sharpness_voxel_names() {
+    // Words as two halves of 16 bits each, which f32 holds exactly.
+    let split = |words: &[u32]| -> Vec<f64> {
+        words
+            .iter()
+            .flat_map(|w| [f64::from(w >> 16), f64::from(w & 0xFFFF)])
+            .collect()
+    };
+    pass(&Twin {
+        name: "sharpness_mix",
+        library: &["sharpness_voxel"],
+        call: "let h = sharpness_mix(u32(x[0]) << 16u | u32(x[1])); \
+               y[0] = f32(h >> 16u); y[1] = f32(h & 0xFFFFu);",
+        draw: &|rng| vec![whole(rng, 1 << 16), whole(rng, 1 << 16)],
+        exact: &|x| split(&[field::sharpness_mix((x[0] as u32) << 16 | x[1] as u32)]),
+        absolute: 0.0,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "sharpness_voxel_hash",
+        library: &["sharpness_voxel"],
+        call: "let h = sharpness_voxel_hash(vec4<i32>(i32(x[0]), i32(x[1]), i32(x[2]), i32(x[3]))); \
+               y[0] = f32(h.x >> 16u); y[1] = f32(h.x & 0xFFFFu); \
+               y[2] = f32(h.y >> 16u); y[3] = f32(h.y & 0xFFFFu);",
+        draw: &|rng| (0..4).map(|_| whole(rng, 200_001) - 100_000.0).collect(),
+        exact: &|x| {
+            let voxel = core::array::from_fn(|i| x[i] as i32);
+            split(&field::sharpness_voxel_hash(voxel))
+        },
+        absolute: 0.0,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+}
+
+#[test]
+fn gaussian_disc() {
+    let sigma = |rng: &mut Pcg64| 10.0_f32.powf(between(rng, -2.0, 2.5));
+    pass(&Twin {
+        name: "gaussian_disc_taps",
+        library: &["gaussian_disc"],
+        call: "y[0] = f32(gaussian_disc_taps(x[0], u32(x[1])));",
+        draw: &|rng| vec![sigma(rng), whole(rng, 128)],
+        exact: &|x| vec![f64::from(gather::gaussian_disc_taps(x[0], x[1] as u32))],
+        absolute: 0.0,
+        relative: 0.0,
+        // Where 1.5 σ is a whole number, or the blur that of a copy.
+        steep_share: 0.001,
+    });
+    pass(&Twin {
+        name: "gaussian_disc_level",
+        library: &["gaussian_disc"],
+        call: "y[0] = gaussian_disc_level(x[0], u32(x[1]));",
+        draw: &|rng| vec![sigma(rng), whole(rng, 128)],
+        exact: &|x| vec![gather::gaussian_disc_level(x[0], x[1] as u32)],
+        absolute: 0.0,
+        relative: 0.0,
+        // Where one level ends and the next begins.
+        steep_share: 0.001,
+    });
+    pass(&Twin {
+        name: "gaussian_disc_tap_sigma",
+        library: &["gaussian_disc"],
+        call: "y[0] = gaussian_disc_tap_sigma(x[0], x[1]);",
+        draw: &|rng| vec![sigma(rng), whole(rng, 9)],
+        exact: &|x| vec![gather::gaussian_disc_tap_sigma(x[0], x[1])],
+        absolute: 0.0,
+        // σ² − texel² keeps at least 0.15 of σ²: seven roundings become some forty in the worst case.
+        relative: 2e-6,
+        steep_share: 0.0,
+    });
+}
+
+#[test]
+fn eyelid_view() {
+    pass(&Twin {
+        name: "eyelid_transmission",
+        library: &["eyelid_view"],
+        call: "y[0] = eyelid_transmission(x[0], x[1]);",
+        draw: &|rng| vec![between(rng, 0.0, 1.0), between(rng, -0.1, 1.1)],
+        exact: &|x| vec![gather::eyelid_transmission(x[0], x[1])],
+        // Slopes of smoothstep: 1.5 over 0.4 and over 0.1 times roundings of 1.
+        absolute: 3e-6,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+}

@@ -1,0 +1,241 @@
+//! Every shader, composed as Bevy composes it and validated, in every combination of its defines;
+//! and every pipeline of the real app.
+
+use crate::stage::{alone, open, patient, session, settle};
+use bevy::app::{App, Plugin};
+use bevy::asset::AssetPlugin;
+use bevy::math::UVec2;
+use bevy::pbr::MeshMaterial3d;
+use bevy::prelude::{Assets, MinimalPlugins};
+use bevy::render::render_resource::{CachedPipelineState, PipelineCache};
+use bevy::shader::{Shader, Source as ShaderText};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga_oil::compose::{
+    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
+};
+use ocularium::app::SessionCommand;
+use ocularium::appearance::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
+use ocularium::readiness::Readiness;
+use ocularium::shaders::{SOURCES, ShadersPlugin, Source};
+use std::collections::{BTreeSet, HashMap};
+
+/// What the eye's shaders take from Bevy, in as few words as they need: the real modules are
+/// checked in the real app below.
+const STUBS: [(&str, &str); 2] = [
+    (
+        "stub/mesh_view_bindings.wgsl",
+        "#define_import_path bevy_pbr::mesh_view_bindings
+struct View {
+    clip_from_view: mat4x4<f32>,
+    world_position: vec3<f32>,
+    viewport: vec4<f32>,
+};
+@group(0) @binding(0) var<uniform> view: View;
+",
+    ),
+    (
+        "stub/mesh_functions.wgsl",
+        "#define_import_path bevy_pbr::mesh_functions
+@group(2) @binding(0) var<storage, read> stub_matrices: array<mat4x4<f32>>;
+fn get_world_from_local(instance_index: u32) -> mat4x4<f32> {
+    return stub_matrices[instance_index];
+}
+fn get_local_from_world(instance_index: u32) -> mat4x4<f32> {
+    return transpose(stub_matrices[instance_index]);
+}
+fn mesh_position_local_to_clip(world_from_local: mat4x4<f32>, vertex_position: vec4<f32>) -> vec4<f32> {
+    return world_from_local * vertex_position;
+}
+",
+    ),
+];
+
+/// Names that `#ifdef` and its kin ask for.
+fn defines(text: &str) -> BTreeSet<String> {
+    let asked = |line: &str| {
+        ["#ifdef ", "#ifndef ", "#else ifdef ", "#else ifndef "]
+            .into_iter()
+            .find_map(|word| {
+                line.trim()
+                    .strip_prefix(word)
+                    .map(|name| name.trim().to_owned())
+            })
+    };
+    let conditions = text.lines().filter(|line| line.trim().starts_with("#if"));
+    for line in conditions {
+        assert!(
+            asked(line).is_some(),
+            "a condition that this test does not know: {line}"
+        );
+    }
+    text.lines().filter_map(asked).collect()
+}
+
+fn composer() -> Result<Composer, String> {
+    let mut composer = Composer::default();
+    for (file_path, source) in STUBS {
+        let module = ComposableModuleDescriptor {
+            source,
+            file_path,
+            ..Default::default()
+        };
+        if let Err(error) = composer.add_composable_module(module) {
+            return Err(error.emit_to_string(&composer));
+        }
+    }
+    Ok(composer)
+}
+
+/// Composes a text under these defines and validates what comes out for any WebGPU device;
+/// answers with the entry points.
+fn compose(text: &str, name: &str, set: &[&String]) -> Result<Vec<String>, String> {
+    let mut composer = composer()?;
+    let mut shader_defs: HashMap<String, ShaderDefValue> = set
+        .iter()
+        .map(|define| ((*define).clone(), ShaderDefValue::Bool(true)))
+        .collect();
+    shader_defs.insert("MATERIAL_BIND_GROUP".into(), ShaderDefValue::UInt(3));
+    let descriptor = NagaModuleDescriptor {
+        source: text,
+        file_path: name,
+        shader_defs: shader_defs.into_iter().collect(),
+        ..Default::default()
+    };
+    let module = match composer.make_naga_module(descriptor) {
+        Ok(module) => module,
+        Err(error) => return Err(error.emit_to_string(&composer)),
+    };
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    match validator.validate(&module) {
+        Ok(_) => Ok(module
+            .entry_points
+            .iter()
+            .map(|entry| entry.name.clone())
+            .collect()),
+        Err(error) => Err(format!("{error:?}")),
+    }
+}
+
+#[test]
+fn every_shader_is_valid_in_every_define_combination() {
+    let mut seen = BTreeSet::new();
+    for Source { name, .. } in SOURCES {
+        assert!(seen.insert(*name), "{name} twice");
+    }
+    let mut combinations = 0;
+    for source in SOURCES {
+        let text = source.text();
+        let known: Vec<String> = defines(&text).into_iter().collect();
+        for bits in 0..1_u32 << known.len() {
+            let chosen = known.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1);
+            let set: Vec<&String> = chosen.map(|(_, define)| define).collect();
+            let entries = compose(&text, source.name, &set)
+                .unwrap_or_else(|why| panic!("{} with {set:?}: {why}", source.name));
+            assert!(!entries.is_empty(), "{} has no entry point", source.name);
+            combinations += 1;
+        }
+    }
+    // Eight shaders; the field has one define of its own and the gather two.
+    assert!(combinations >= 12, "{combinations}");
+}
+
+#[test]
+fn the_validation_can_fail() {
+    let gather = SOURCES
+        .iter()
+        .find(|source| source.name.ends_with("gather.wgsl"));
+    let text = gather.expect("the gather").text();
+    let glaucoma = "GLAUCOMA".to_owned();
+    let broken = text.replace(
+        "let lost = 1.0 - seen_fraction",
+        "let lost = 1u - seen_fraction",
+    );
+    assert_ne!(broken, text);
+    // Only the form that has the broken line is refused.
+    assert!(compose(&broken, "broken.wgsl", &[]).is_ok());
+    assert!(compose(&broken, "broken.wgsl", &[&glaucoma]).is_err());
+    let unknown = text.replace(
+        "gaussian_disc_level(sigma, taps)",
+        "gaussian_disc_leve(sigma, taps)",
+    );
+    assert!(compose(&unknown, "unknown.wgsl", &[]).is_err());
+}
+
+#[test]
+fn the_app_carries_the_texts_that_were_validated() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default()));
+    app.world_mut().init_resource::<Assets<Shader>>();
+    ShadersPlugin.build(&mut app);
+    let shaders = app.world().resource::<Assets<Shader>>();
+    for source in SOURCES {
+        let shader = shaders.get(&source.handle).expect(source.name);
+        let ShaderText::Wgsl(text) = &shader.source else {
+            panic!("{} is no WGSL", source.name)
+        };
+        assert_eq!(text.as_ref(), source.text());
+        for file in source.library {
+            let carried = format!("{}.wgsl", file);
+            let path = crate::gpu::library_folder().join(carried);
+            let file = std::fs::read_to_string(path).expect("a library file");
+            assert!(text.contains(&file), "{} lacks a library file", source.name);
+        }
+    }
+}
+
+#[test]
+fn every_pipeline_of_the_app_is_built() {
+    let _alone = alone();
+    let size = UVec2::splat(96);
+    let mut headless = open(session(patient("healthy-green"), 2), size, size, [true; 2]);
+    settle(&mut headless);
+    let glaucoma = patient("glaucoma-moderate");
+    headless.command(SessionCommand::Patient(Box::new(glaucoma)));
+    headless.go_to(0.0);
+    settle(&mut headless);
+
+    let world = headless.world();
+    assert_eq!(world.resource::<Readiness>().errors(), Vec::<String>::new());
+    // All four materials of the eye are on something that is drawn.
+    assert!(
+        world
+            .query::<&MeshMaterial3d<GlobeMaterial>>()
+            .iter(world)
+            .count()
+            > 0
+    );
+    assert!(
+        world
+            .query::<&MeshMaterial3d<SkinMaterial>>()
+            .iter(world)
+            .count()
+            > 0
+    );
+    assert!(
+        world
+            .query::<&MeshMaterial3d<HairMaterial>>()
+            .iter(world)
+            .count()
+            > 0
+    );
+    assert!(
+        world
+            .query::<&MeshMaterial3d<MeniscusMaterial>>()
+            .iter(world)
+            .count()
+            > 0
+    );
+
+    let cache = headless.render_world().resource::<PipelineCache>();
+    let mut built = 0;
+    for pipeline in cache.pipelines() {
+        assert!(
+            matches!(pipeline.state, CachedPipelineState::Ok(_)),
+            "{:?}",
+            pipeline.descriptor
+        );
+        built += 1;
+    }
+    // Eleven passes of the view, three of them in a second form, four materials, and the scene's.
+    assert!(built > 11 + 3 + 4, "{built} pipelines");
+}
