@@ -87,7 +87,13 @@ mod tests {
         let ledger = WorkLedger::default();
         let before = ledger.read();
         ledger.clone().eye_passes(2);
-        assert_eq!(ledger.read().since(before), Work { eye_passes: 2, ..Work::default() });
+        assert_eq!(
+            ledger.read().since(before),
+            Work {
+                eye_passes: 2,
+                ..Work::default()
+            }
+        );
         assert_eq!(ledger.read().entries()[0], ("eye_passes", 2));
     }
 }

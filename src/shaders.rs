@@ -137,7 +137,12 @@ pub const SOURCES: &[Source] = &[
     Source {
         handle: FIELD,
         name: "ocularium/field_update.wgsl",
-        library: &["retinal_blur", "defocus", "sharpness_key", "sharpness_voxel"],
+        library: &[
+            "retinal_blur",
+            "defocus",
+            "sharpness_key",
+            "sharpness_voxel",
+        ],
         entry: &[
             PERCEPT,
             VISUAL_FIELD,
@@ -164,7 +169,10 @@ impl Plugin for ShadersPlugin {
         let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
         for source in SOURCES {
             // A handle by UUID can always be inserted under.
-            let _ = shaders.insert(source.handle.id(), Shader::from_wgsl(source.text(), source.name));
+            let _ = shaders.insert(
+                source.handle.id(),
+                Shader::from_wgsl(source.text(), source.name),
+            );
         }
     }
 }

@@ -33,7 +33,8 @@ struct Globe {
 // Diffuse reflectance of the iris: u stromal path, v melanin of the border layer.
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var reflectance_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var reflectance_sampler: sampler;
-// Two lamps side by side over the iris plane: xy towards the light inside the eye, z irradiance.
+// Two lamps side by side over the iris plane: xy towards the light inside the eye, z irradiance,
+// w radius (mm) at which the light enters the cornea.
 @group(#{MATERIAL_BIND_GROUP}) @binding(7) var light_table: texture_2d<f32>;
 
 const SCLERA_HALF_ANGLE: f32 = 1.7453293;
@@ -100,7 +101,9 @@ fn iris_light(lamp: f32, p: vec2<f32>) -> vec4<f32> {
     let size = vec2<f32>(textureDimensions(light_table)) * vec2(0.5, 1.0);
     let at = clamp(p / (globe.iris.y * 1.04) * 0.5 + 0.5, vec2(0.0), vec2(1.0)) * (size - 1.0) + 0.5;
     let t = textureSampleLevel(light_table, reflectance_sampler, (at + vec2(lamp * size.x, 0.0)) / (size * vec2(2.0, 1.0)), 0.0);
-    return vec4(t.xy, -sqrt(max(1.0 - dot(t.xy, t.xy), 0.04)), t.z);
+    // Light that would have to enter outside the cornea meets the sclera instead.
+    let inside = smoothstep(globe.iris.w + 0.5, globe.iris.w - 0.3, t.w);
+    return vec4(t.xy, -sqrt(max(1.0 - dot(t.xy, t.xy), 0.04)), t.z * inside);
 }
 
 // What of a lamp's irradiance the relief takes up at this normal. Light that enters one fibre

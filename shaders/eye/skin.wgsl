@@ -64,7 +64,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     // Where wet tissue comes down onto the globe it is conjunctiva over sclera: pale, so that no
     // edge shows between the two.
     let onto_globe = wet * smoothstep(skin.globe.x + 1.7, skin.globe.x + 0.15, length(p));
-    albedo = mix(albedo, vec3(0.60, 0.45, 0.41), onto_globe * (1.0 - 0.55 * in.tissue.b));
+    albedo = mix(albedo, vec3(0.70, 0.59, 0.54), onto_globe * (1.0 - 0.75 * in.tissue.b));
 
     let key = skin.studio.key_direction.xyz;
     let fill = skin.studio.fill_direction.xyz;

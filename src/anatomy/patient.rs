@@ -233,14 +233,29 @@ impl PatientFile {
     fn ranges(&self) -> Vec<(&'static str, f64, f64, f64)> {
         let mut ranges = vec![
             ("age_years", self.age_years, 1.0, 110.0),
-            ("pupil_decentration_mm", self.pupil_decentration_mm[0], -1.0, 1.0),
-            ("pupil_decentration_mm", self.pupil_decentration_mm[1], -1.0, 1.0),
+            (
+                "pupil_decentration_mm",
+                self.pupil_decentration_mm[0],
+                -1.0,
+                1.0,
+            ),
+            (
+                "pupil_decentration_mm",
+                self.pupil_decentration_mm[1],
+                -1.0,
+                1.0,
+            ),
             ("sphere_d", self.sphere_d, -20.0, 20.0),
             ("cylinder_d", self.cylinder_d, -10.0, 10.0),
             ("axis_deg", self.axis_deg, 0.0, 180.0),
             ("cornea_radius_mm", self.cornea_radius_mm, 6.0, 10.0),
             ("cornea_p", self.cornea_p, 0.2, 1.5),
-            ("cornea_posterior_radius_mm", self.cornea_posterior_radius_mm, 5.0, 9.0),
+            (
+                "cornea_posterior_radius_mm",
+                self.cornea_posterior_radius_mm,
+                5.0,
+                9.0,
+            ),
             ("cornea_posterior_p", self.cornea_posterior_p, 0.2, 1.5),
             ("cornea_thickness_mm", self.cornea_thickness_mm, 0.3, 0.9),
             ("limbus_radius_mm", self.limbus_radius_mm, 5.0, 6.5),
@@ -254,15 +269,32 @@ impl PatientFile {
             ("blur_cap_arcmin", self.blur_cap_arcmin, 10.0, 600.0),
         ];
         let optional = [
-            ("stroma_melanin_fraction", self.stroma_melanin_fraction, 0.0, 0.5),
-            ("border_layer_melanin_fraction", self.border_layer_melanin_fraction, 0.0, 0.5),
+            (
+                "stroma_melanin_fraction",
+                self.stroma_melanin_fraction,
+                0.0,
+                0.5,
+            ),
+            (
+                "border_layer_melanin_fraction",
+                self.border_layer_melanin_fraction,
+                0.0,
+                0.5,
+            ),
             ("eumelanin_ratio", self.eumelanin_ratio, 0.0, 1.0),
-            ("accommodation_amplitude_d", self.accommodation_amplitude_d, 0.0, 20.0),
+            (
+                "accommodation_amplitude_d",
+                self.accommodation_amplitude_d,
+                0.0,
+                20.0,
+            ),
             ("pupil", self.pupil.diameter_mm(), 1.0, 9.0),
         ];
-        ranges.extend(optional.into_iter().filter_map(|(name, value, low, high)| {
-            value.map(|value| (name, value, low, high))
-        }));
+        ranges.extend(
+            optional
+                .into_iter()
+                .filter_map(|(name, value, low, high)| value.map(|value| (name, value, low, high))),
+        );
         ranges
     }
 
@@ -322,9 +354,17 @@ impl PatientFile {
     fn check_shape(&self, file: &str) -> Result<(), PatientError> {
         for (field, radius, p) in [
             ("cornea_p", self.cornea_radius_mm, self.cornea_p),
-            ("cornea_posterior_p", self.cornea_posterior_radius_mm, self.cornea_posterior_p),
+            (
+                "cornea_posterior_p",
+                self.cornea_posterior_radius_mm,
+                self.cornea_posterior_p,
+            ),
         ] {
-            let widest = if p > 0.0 { radius / p.sqrt() } else { f64::INFINITY };
+            let widest = if p > 0.0 {
+                radius / p.sqrt()
+            } else {
+                f64::INFINITY
+            };
             // A margin keeps the slope at the limbus finite.
             if widest < self.limbus_radius_mm * 1.02 {
                 let largest = (radius / (1.02 * self.limbus_radius_mm)).powi(2);
@@ -346,20 +386,22 @@ impl PatientFile {
 
 /// Reads a patient from RON text; `file` names it in errors.
 pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError> {
-    let options = ron::Options::default()
-        .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let patient: PatientFile = options.from_str(text).map_err(|error| PatientError::Syntax {
-        file: file.into(),
-        line: error.span.start.line,
-        column: error.span.start.col,
-        reason: if text.trim_start().starts_with('(')
-            && matches!(error.code, ron::error::Error::ExpectedStructLike)
-        {
-            "round brackets are expected here, as in (0.2, 0.0)".into()
-        } else {
-            sentence(&error.code)
-        },
-    })?;
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let patient: PatientFile = options
+        .from_str(text)
+        .map_err(|error| PatientError::Syntax {
+            file: file.into(),
+            line: error.span.start.line,
+            column: error.span.start.col,
+            reason: if text.trim_start().starts_with('(')
+                && matches!(error.code, ron::error::Error::ExpectedStructLike)
+            {
+                "round brackets are expected here, as in (0.2, 0.0)".into()
+            } else {
+                sentence(&error.code)
+            },
+        })?;
     patient.check(file)?;
     Ok(patient)
 }
@@ -368,17 +410,24 @@ pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError
 fn sentence(code: &ron::error::Error) -> String {
     use ron::error::Error;
     match code {
-        Error::NoSuchStructField { expected, found, .. } => format!(
+        Error::NoSuchStructField {
+            expected, found, ..
+        } => format!(
             "unknown field {found:?}; the fields of a patient are {}",
             expected.join(", ")
         ),
-        Error::NoSuchEnumVariant { expected, found, outer } => format!(
+        Error::NoSuchEnumVariant {
+            expected,
+            found,
+            outer,
+        } => format!(
             "unknown {} {found:?}; it may be {}",
             outer.as_deref().unwrap_or("value"),
             expected.join(", ")
         ),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) | Error::Eof => {
-            "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)".into()
+            "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)"
+                .into()
         }
         other => format!("this is not a sound patient file: {other}"),
     }
@@ -411,7 +460,11 @@ pub fn load_patient(name_or_path: &str) -> Result<PatientFile, PatientError> {
     }
     Err(PatientError::Unknown {
         name: name_or_path.into(),
-        known: super::PRESETS.iter().map(|preset| preset.name).collect::<Vec<_>>().join(", "),
+        known: super::PRESETS
+            .iter()
+            .map(|preset| preset.name)
+            .collect::<Vec<_>>()
+            .join(", "),
     })
 }
 
@@ -423,13 +476,20 @@ mod tests {
     fn every_preset_is_sound() {
         for preset in crate::anatomy::PRESETS {
             let patient = load_patient(preset.name).expect(preset.name);
-            assert!(!patient.description.is_empty(), "{} has no description", preset.name);
+            assert!(
+                !patient.description.is_empty(),
+                "{} has no description",
+                preset.name
+            );
         }
     }
 
     #[test]
     fn an_empty_patient_is_the_default_one() {
-        assert_eq!(parse_patient("()", "x").expect("sound"), PatientFile::default());
+        assert_eq!(
+            parse_patient("()", "x").expect("sound"),
+            PatientFile::default()
+        );
     }
 
     #[test]
@@ -442,7 +502,10 @@ mod tests {
         assert!(said("(sphere_d: NaN)").contains("NaN"));
         assert!(said("(pupil: Fixed(0.5))").contains("1 to 9"));
         let error = said("(eye_color: Blue)");
-        assert!(error.contains("eye_color") && error.contains("iris_color"), "{error}");
+        assert!(
+            error.contains("eye_color") && error.contains("iris_color"),
+            "{error}"
+        );
         assert!(said("(iris_color: Purple)").contains("Brown"));
         assert!(said("").contains("RON"));
         assert!(said("(age_years: \"old\")").contains("p.ron:1:"));
@@ -452,7 +515,10 @@ mod tests {
     #[test]
     fn unknown_names_list_the_known_ones() {
         let error = load_patient("nobody").expect_err("unknown").to_string();
-        assert!(error.contains("healthy-brown") && error.contains("glaucoma-moderate"), "{error}");
+        assert!(
+            error.contains("healthy-brown") && error.contains("glaucoma-moderate"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -181,6 +181,12 @@ fn parse_orbit(text: &str) -> Result<[f32; 2], String> {
 /// Runs the program and says how it ended: 0, 1 for what a user got wrong, 2 for the command line.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
+    if cli.command.is_some() {
+        // Mesa's device-selection layer looks for a compositor and complains on stderr where there
+        // is none; a command without a window has no use for it.
+        // SAFETY: this is the program's only thread so far.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
     match obey(cli) {
         Ok(code) => code,
         Err(error) => {
@@ -206,20 +212,29 @@ fn obey(cli: Cli) -> Result<ExitCode, Box<dyn Error>> {
             let mut out = std::io::stdout().lock();
             for preset in PRESETS {
                 let patient = load_patient(preset.name)?;
-                say(&mut out, &format!("{:<20} {}", preset.name, patient.description))?;
+                say(
+                    &mut out,
+                    &format!("{:<20} {}", preset.name, patient.description),
+                )?;
             }
         }
         Some(Command::Scenes) => {
             let mut out = std::io::stdout().lock();
             for scene in BuiltIn::ALL {
-                say(&mut out, &format!("{:<20} {}", scene.name(), scene.description()))?;
+                say(
+                    &mut out,
+                    &format!("{:<20} {}", scene.name(), scene.description()),
+                )?;
             }
         }
         Some(Command::Check { file }) => {
             let patient = load_patient(&file)?;
             say(
                 &mut std::io::stdout().lock(),
-                &format!("{file} is sound: {}, {} years.", patient.name, patient.age_years),
+                &format!(
+                    "{file} is sound: {}, {} years.",
+                    patient.name, patient.age_years
+                ),
             )?;
         }
     }
@@ -247,7 +262,11 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
         PanelArg::Both => PanelChoice::Both,
     };
     let (sizes, drawn) = layout(panels, arguments.size);
-    if let Some(small) = sizes.iter().zip(drawn).find(|(size, drawn)| *drawn && size.min_element() < 16) {
+    if let Some(small) = sizes
+        .iter()
+        .zip(drawn)
+        .find(|(size, drawn)| *drawn && size.min_element() < 16)
+    {
         eprintln!(
             "ocularium: --size {}x{} leaves a panel of {}x{} pixels; each panel needs at least 16x16",
             arguments.size.x, arguments.size.y, small.0.x, small.0.y
@@ -310,18 +329,25 @@ fn conclude(report: &RenderReport, out: &std::path::Path) -> ExitCode {
 fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {
     let name = arguments.image.display().to_string();
     let bytes = read_file(&arguments.image)?;
-    let grey = decode_image(&bytes, &name, 7)?.to_luma8();
+    let image = decode_image(&bytes, &name, 7)?.to_rgb8();
+    let grey: Vec<u8> = image
+        .pixels()
+        .map(|pixel| fast::luma_of_srgb8(pixel.0))
+        .collect();
     let corners = fast::detect(
-        grey.as_raw(),
-        grey.width() as usize,
-        grey.height() as usize,
+        &grey,
+        image.width() as usize,
+        image.height() as usize,
         arguments.threshold,
         !arguments.no_nms,
     )?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     say(&mut out, "x,y,score")?;
     for corner in &corners {
-        say(&mut out, &format!("{},{},{}", corner.x, corner.y, corner.score))?;
+        say(
+            &mut out,
+            &format!("{},{},{}", corner.x, corner.y, corner.score),
+        )?;
     }
     match out.flush() {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),

@@ -10,9 +10,9 @@ pub mod session;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
-pub mod windowed;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
+pub mod windowed;
 
 pub use clock::{Drive, SimulationClock};
 pub use panels::{Panel, Panels};
@@ -66,10 +66,7 @@ impl Plugin for FramePlugin {
                 Update,
                 (session::obey, clock::advance_clock).chain().in_set(Sense),
             );
-        let ledger = app
-            .world()
-            .resource::<crate::ledger::WorkLedger>()
-            .clone();
+        let ledger = app.world().resource::<crate::ledger::WorkLedger>().clone();
         if let Some(render_app) = app.get_sub_app_mut(bevy::render::RenderApp) {
             render_app.insert_resource(ledger);
         }

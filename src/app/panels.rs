@@ -3,9 +3,7 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{Image, ImageSampler};
 use bevy::prelude::*;
-use bevy::render::render_resource::{
-    Extent3d, TextureDimension, TextureFormat, TextureUsages,
-};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 
 /// Smallest side of a panel, pixels.
 pub const SMALLEST_SIDE: u32 = 16;
@@ -56,9 +54,7 @@ impl Panel {
         }
         self.size = size;
         // The handle stays, so that the camera and the window find the new texture under it.
-        images
-            .insert(self.image.id(), target_image(size))
-            .is_ok()
+        images.insert(self.image.id(), target_image(size)).is_ok()
     }
 }
 

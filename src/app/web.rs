@@ -43,8 +43,14 @@ fn session(fragment: &str) -> Result<Session, String> {
         .find(|scene| scene.name() == wanted)
         .unwrap_or(BuiltIn::Room);
     let model = scene.build().map_err(|error| error.to_string())?;
-    let seed = value("seed").and_then(|seed| seed.parse().ok()).unwrap_or(1);
-    Ok(Session::new(patient, LoadedScene::Model(Box::new(model)), seed))
+    let seed = value("seed")
+        .and_then(|seed| seed.parse().ok())
+        .unwrap_or(1);
+    Ok(Session::new(
+        patient,
+        LoadedScene::Model(Box::new(model)),
+        seed,
+    ))
 }
 
 fn tell(name: &str, value: &JsValue) {

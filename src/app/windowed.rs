@@ -61,7 +61,11 @@ pub fn windowed_app(session: Session) -> App {
     app.insert_resource(ClearColor(Color::linear_rgb(0.003, 0.003, 0.0035)))
         .add_plugins(UiPlugin)
         .add_systems(Startup, |mut commands: Commands| {
-            commands.spawn((PrimaryEguiContext, Camera2d, bevy::camera::visibility::RenderLayers::none()));
+            commands.spawn((
+                PrimaryEguiContext,
+                Camera2d,
+                bevy::camera::visibility::RenderLayers::none(),
+            ));
         });
     app
 }

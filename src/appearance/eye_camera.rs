@@ -7,10 +7,10 @@ use bevy::camera::{ClearColorConfig, RenderTarget, visibility::RenderLayers};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
 use bevy::prelude::*;
+use bevy::render::RenderApp;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::extract_component::{ExtractComponent, ExtractComponentPlugin};
 use bevy::render::renderer::ViewQuery;
-use bevy::render::RenderApp;
 
 /// Layer of everything that belongs to the eye.
 pub const EYE_LAYER: usize = 30;
@@ -70,7 +70,10 @@ impl EyeOrbit {
     }
 
     fn transform(self) -> Transform {
-        let (azimuth, elevation) = (self.azimuth_deg.to_radians(), self.elevation_deg.to_radians());
+        let (azimuth, elevation) = (
+            self.azimuth_deg.to_radians(),
+            self.elevation_deg.to_radians(),
+        );
         let direction = Vec3::new(
             azimuth.sin() * elevation.cos(),
             elevation.sin(),
@@ -149,7 +152,11 @@ pub fn wake_camera(
     // Until every pipeline exists and every texture has arrived, a frame is drawn to ask for them
     // and one when they are there; those between would show nothing.
     let settled = readiness.quiet_frames() >= 3;
-    drawn.unsettled_frames = if settled { 0 } else { drawn.unsettled_frames + 1 };
+    drawn.unsettled_frames = if settled {
+        0
+    } else {
+        drawn.unsettled_frames + 1
+    };
     let changed = drawn.orbit != Some(*orbit)
         || drawn.size != panels.eye.size
         || drawn.version != parts.version

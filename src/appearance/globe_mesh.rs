@@ -34,7 +34,10 @@ pub fn globe_meshes(shape: &GlobeShape) -> [Mesh; 2] {
     let sclera = all.iter().copied().filter(|&angle| angle > border + 0.005);
     [
         ring_mesh(shape, &cornea.chain([border]).collect::<Vec<_>>()),
-        ring_mesh(shape, &std::iter::once(border).chain(sclera).collect::<Vec<_>>()),
+        ring_mesh(
+            shape,
+            &std::iter::once(border).chain(sclera).collect::<Vec<_>>(),
+        ),
     ]
 }
 
@@ -52,7 +55,12 @@ fn ring_mesh(shape: &GlobeShape, rings: &[f32]) -> Mesh {
             let radius = shape.radius_along(direction.as_dvec3()) as f32;
             positions.push((direction * radius).to_array());
             // Exact normals, so that the two meshes agree along their border.
-            normals.push(shape.normal_along(direction.as_dvec3()).as_vec3().to_array());
+            normals.push(
+                shape
+                    .normal_along(direction.as_dvec3())
+                    .as_vec3()
+                    .to_array(),
+            );
         }
     }
     let row = SECTORS + 1;
@@ -65,10 +73,13 @@ fn ring_mesh(shape: &GlobeShape, rings: &[f32]) -> Mesh {
         }
     }
     let count = positions.len();
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32; 4]; count])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; count])
-        .with_inserted_indices(Indices::U32(indices))
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::RENDER_WORLD,
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32; 4]; count])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; count])
+    .with_inserted_indices(Indices::U32(indices))
 }

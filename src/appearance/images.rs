@@ -49,9 +49,7 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
 /// Halves a level by averaging two by two; odd sides repeat their last texel.
 pub fn half_level((width, height, texels): &Level) -> Level {
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
-    let at = |x: u32, y: u32| {
-        texels[(y.min(height - 1) * width + x.min(width - 1)) as usize]
-    };
+    let at = |x: u32, y: u32| texels[(y.min(height - 1) * width + x.min(width - 1)) as usize];
     let mut out = Vec::with_capacity((w * h) as usize);
     for y in 0..h {
         for x in 0..w {
@@ -99,7 +97,10 @@ mod tests {
     fn the_image_holds_every_level() {
         let chain = mip_chain((8, 4, vec![[0.25; 4]; 32]));
         let image = map_image(&chain, true);
-        assert_eq!(image.data.map(|data| data.len()), Some((32 + 8 + 2 + 1) * 8));
+        assert_eq!(
+            image.data.map(|data| data.len()),
+            Some((32 + 8 + 2 + 1) * 8)
+        );
         assert_eq!(image.texture_descriptor.mip_level_count, 4);
     }
 }

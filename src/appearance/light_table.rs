@@ -29,7 +29,7 @@ pub struct LightTableSettings {
     pub iris_z: f64,
     /// Radius of the iris root, mm.
     pub root_mm: f64,
-    /// Radius of the limbus, mm: light that would enter outside it meets the sclera.
+    /// Radius of the limbus, mm.
     pub limbus_mm: f64,
     /// Unit directions towards the lamps, optics frame.
     pub lamps: [DVec3; LAMPS],
@@ -40,8 +40,20 @@ pub struct LightTableSettings {
 pub struct IrisLight {
     /// Unit direction from the iris towards where the light enters, x and y; z is negative.
     pub towards: DVec2,
-    /// Irradiance of the iris plane, relative to the lamp's on a plane across its beam.
-    pub irradiance: f64,
+    /// Irradiance of the iris plane, relative to the lamp's on a plane across its beam, as if the
+    /// cornea went on beyond the limbus.
+    pub unbounded_irradiance: f64,
+    /// Distance from the axis at which the light enters, mm.
+    pub entry_radius_mm: f64,
+}
+
+impl IrisLight {
+    /// Irradiance of the iris plane behind a limbus of this radius: light that would have to enter
+    /// outside it meets the sclera. The edge is as soft as the limbus itself.
+    pub fn irradiance(&self, limbus_mm: f64) -> f64 {
+        let share = smoothstep(limbus_mm + 0.5, limbus_mm - 0.3, self.entry_radius_mm);
+        self.unbounded_irradiance * share
+    }
 }
 
 impl LightTableSettings {
@@ -57,31 +69,49 @@ impl LightTableSettings {
             return IrisLight::default();
         }
         let entry = solved.truncate();
-        let inside = smoothstep(self.limbus_mm + 0.5, self.limbus_mm - 0.3, entry.truncate().length());
-        let irradiance =
-            caustic_irradiance_at(entry, light, self.surface, self.index, self.iris_z);
         IrisLight {
             towards: (entry - point).normalize_or(DVec3::NEG_Z).truncate(),
-            irradiance: irradiance * inside,
+            unbounded_irradiance: caustic_irradiance_at(
+                entry,
+                light,
+                self.surface,
+                self.index,
+                self.iris_z,
+            ),
+            entry_radius_mm: entry.truncate().length(),
         }
     }
 
+    /// [`Self::exact`], and past the border of what light can reach (its entry lies far outside the
+    /// limbus there, so it is dark) the value of the last place that it reaches, so that no
+    /// look-up mixes light with nothing.
+    fn continued(&self, lamp: usize, place: DVec2) -> IrisLight {
+        let mut nearer = place;
+        for _ in 0..48 {
+            let light = self.exact(lamp, nearer);
+            if light != IrisLight::default() {
+                return light;
+            }
+            nearer *= 0.97;
+        }
+        IrisLight::default()
+    }
+
     /// The table, row by row, `LAMPS · SIDE` wide and `SIDE` high: towards x, towards y,
-    /// irradiance, 1.
+    /// unbounded irradiance, radius of entry in mm. The limbus' cut is left to the look-up: it is
+    /// the one thing here that changes within a cell.
     pub fn texels(&self) -> Vec<[f32; 4]> {
-        let at = |i: usize| {
-            (i as f64 / (SIDE - 1) as f64 * 2.0 - 1.0) * self.root_mm * REACH
-        };
+        let at = |i: usize| (i as f64 / (SIDE - 1) as f64 * 2.0 - 1.0) * self.root_mm * REACH;
         let mut out = Vec::with_capacity(SIDE * SIDE * LAMPS);
         for row in 0..SIDE {
             for lamp in 0..LAMPS {
                 for column in 0..SIDE {
-                    let light = self.exact(lamp, DVec2::new(at(column), at(row)));
+                    let light = self.continued(lamp, DVec2::new(at(column), at(row)));
                     out.push([
                         light.towards.x as f32,
                         light.towards.y as f32,
-                        light.irradiance as f32,
-                        1.0,
+                        light.unbounded_irradiance as f32,
+                        light.entry_radius_mm as f32,
                     ]);
                 }
             }
@@ -96,7 +126,12 @@ fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
 }
 
 /// Bilinear look-up as the shader does it.
-pub fn look_up(texels: &[[f32; 4]], settings: &LightTableSettings, lamp: usize, place: DVec2) -> IrisLight {
+pub fn look_up(
+    texels: &[[f32; 4]],
+    settings: &LightTableSettings,
+    lamp: usize,
+    place: DVec2,
+) -> IrisLight {
     let reach = settings.root_mm * REACH;
     let last = (SIDE - 1) as f64;
     let at = ((place / reach) * 0.5 + 0.5).clamp(DVec2::ZERO, DVec2::ONE) * last;
@@ -113,7 +148,8 @@ pub fn look_up(texels: &[[f32; 4]], settings: &LightTableSettings, lamp: usize, 
     };
     IrisLight {
         towards: DVec2::new(mix(0), mix(1)),
-        irradiance: mix(2),
+        unbounded_irradiance: mix(2),
+        entry_radius_mm: mix(3),
     }
 }
 
@@ -148,8 +184,15 @@ mod tests {
                 }
                 let exact = settings.exact(0, place);
                 let found = look_up(&texels, &settings, 0, place);
-                let direction = (exact.towards - found.towards).length();
-                let irradiance = (exact.irradiance - found.irradiance).abs();
+                // Where it is dark no direction is asked for.
+                let lit = exact.irradiance(settings.limbus_mm) > 0.0;
+                let direction = if lit {
+                    (exact.towards - found.towards).length()
+                } else {
+                    0.0
+                };
+                let limbus = settings.limbus_mm;
+                let irradiance = (exact.irradiance(limbus) - found.irradiance(limbus)).abs();
                 sums[0] = sums[0].max(direction);
                 sums[1] += direction * direction;
                 sums[2] = sums[2].max(irradiance);
@@ -157,17 +200,27 @@ mod tests {
                 count += 1.0;
             }
         }
-        [sums[0], (sums[1] / count).sqrt(), sums[2], (sums[3] / count).sqrt()]
+        [
+            sums[0],
+            (sums[1] / count).sqrt(),
+            sums[2],
+            (sums[3] / count).sqrt(),
+        ]
     }
 
     #[test]
     fn the_table_is_close_to_the_solution() {
         for angle_deg in [0.0, 20.0, 40.0, 60.0] {
             let [direction_max, direction_rms, irradiance_max, irradiance_rms] = errors(angle_deg);
-            println!("{angle_deg}°: direction {direction_max:.2e} (rms {direction_rms:.2e}), irradiance {irradiance_max:.2e} (rms {irradiance_rms:.2e})");
-            // Bilinear over 0.4 mm: the largest errors lie where the limbus cuts the light off
-            // within one cell, away from it the surface is smooth.
-            assert!(direction_rms < 2e-3 && irradiance_rms < 1.2e-2, "{angle_deg}°");
+            println!(
+                "{angle_deg}°: direction {direction_max:.2e} (rms {direction_rms:.2e}), irradiance {irradiance_max:.2e} (rms {irradiance_rms:.2e})"
+            );
+            // Bilinear over cells of h = 0.4 mm errs by h²/8 of the second derivative; at 60° the
+            // caustic itself is 2 and steep on the far side.
+            assert!(
+                direction_rms < 2e-3 && irradiance_rms < 6e-3,
+                "{angle_deg}°"
+            );
         }
     }
 

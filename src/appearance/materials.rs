@@ -257,12 +257,11 @@ macro_rules! eye_material {
 
 // A mask that lets everything through: masked meshes are drawn after opaque ones, so that the lids
 // have hidden most of the globe before its costly pixels are shaded.
-eye_material!(
-    GlobeMaterial,
-    shaders::GLOBE,
-    AlphaMode::Mask(0.0),
-    |key| (key.bind_group_data.0 == GlobePart::Cornea).then_some("CORNEA")
-);
+eye_material!(GlobeMaterial, shaders::GLOBE, AlphaMode::Mask(0.0), |key| {
+    (key.bind_group_data.0 == GlobePart::Cornea).then_some("CORNEA")
+});
 eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, |_| None);
 eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, |_| None);
-eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, |_| None);
+eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, |_| {
+    None
+});

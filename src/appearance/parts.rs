@@ -1,7 +1,7 @@
 //! The parts of the eye as entities: built when the patient changes, moved when the pose does.
 
-use super::eye_camera::{EYE_LAYER, EyeCamera, camera_bundle};
 use super::brow::Brow;
+use super::eye_camera::{EYE_LAYER, EyeCamera, camera_bundle};
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::globe_mesh::globe_meshes;
 use super::hair::{HairMesh, RINGS, SIDES};
@@ -10,8 +10,8 @@ use super::iris_map::{IrisMap, IrisMapSettings};
 use super::lashes::Lashes;
 use super::light_table::{LAMPS, LightTableSettings, SIDE};
 use super::materials::{
-    GlobeMaterial, GlobePart, GlobeUniform, HairMaterial, HairUniform, LID_HALF_SPAN_MM, LID_SAMPLES,
-    LidHeights, MeniscusMaterial, MeniscusUniform, SkinMaterial, SkinUniform, Studio,
+    GlobeMaterial, GlobePart, GlobeUniform, HairMaterial, HairUniform, LID_HALF_SPAN_MM,
+    LID_SAMPLES, LidHeights, MeniscusMaterial, MeniscusUniform, SkinMaterial, SkinUniform, Studio,
 };
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use crate::anatomy::{Cornea, Eye, Eyelids, GazeController, Iris, Laterality, Pupil, Sclera};
@@ -22,8 +22,8 @@ use crate::readiness::Readiness;
 use crate::tissue::iris_reflectance::{IrisPigment, IrisReflectanceTable};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::math::{DVec2, DVec3};
+use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 
 /// Everything about the eye that is on screen, and a version that counts its changes.
@@ -132,11 +132,20 @@ pub fn build_eye(
         images.add(sclera_image(eye, sclera, fine)),
         images.add(reflectance_image(iris)),
     ];
-    ledger.bytes_uploaded(maps.iter().filter_map(|map| images.get(map)).map(|image| image.data.as_ref().map_or(0, Vec::len) as u64).sum());
+    ledger.bytes_uploaded(
+        maps.iter()
+            .filter_map(|map| images.get(map))
+            .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
+            .sum(),
+    );
     let [iris_map, sclera_map, reflectance_map] = maps;
     let uniform = static_uniform(eye, cornea, iris, &shape);
     let light_table = images.add(map_image(
-        &[((LAMPS * SIDE) as u32, SIDE as u32, vec![[0.0; 4]; LAMPS * SIDE * SIDE])],
+        &[(
+            (LAMPS * SIDE) as u32,
+            SIDE as u32,
+            vec![[0.0; 4]; LAMPS * SIDE * SIDE],
+        )],
         false,
     ));
     parts.globe.clear();
@@ -339,12 +348,15 @@ fn reflectance_image(iris: &Iris) -> Image {
 }
 
 fn empty_mesh() -> Mesh {
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0f32; 3]; 3])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, -1.0]; 3])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32, 0.0, 0.0, 1.0]; 3])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; 3])
-        .with_inserted_indices(Indices::U32(vec![0, 1, 2]))
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0f32; 3]; 3])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, -1.0]; 3])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32, 0.0, 0.0, 1.0]; 3])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; 3])
+    .with_inserted_indices(Indices::U32(vec![0, 1, 2]))
 }
 
 fn static_uniform(eye: &Eye, cornea: &Cornea, iris: &Iris, shape: &GlobeShape) -> GlobeUniform {
@@ -426,11 +438,17 @@ pub fn move_eye(
     if let Some((settings, table)) = parts.lights.as_mut().filter(|_| turned) {
         let studio = Studio::default();
         let eye_from_head = rotation.inverse();
-        settings.lamps = [studio.key_direction, studio.fill_direction]
-            .map(|lamp| (eye_from_head * lamp.truncate()).as_dvec3().normalize_or(DVec3::NEG_Z));
+        settings.lamps = [studio.key_direction, studio.fill_direction].map(|lamp| {
+            (eye_from_head * lamp.truncate())
+                .as_dvec3()
+                .normalize_or(DVec3::NEG_Z)
+        });
         let level = ((LAMPS * SIDE) as u32, SIDE as u32, settings.texels());
         // Under the same handle: the materials, changed above, bind the new texture.
-        if images.insert(table.id(), map_image(&[level], false)).is_ok() {
+        if images
+            .insert(table.id(), map_image(&[level], false))
+            .is_ok()
+        {
             ledger.bytes_uploaded((LAMPS * SIDE * SIDE * 8) as u64);
         }
     }
@@ -462,7 +480,8 @@ pub fn move_lids(
         return;
     }
     let parts = &mut *parts;
-    let (Some(region), Some(shape), Some(lashes)) = (&parts.region, &parts.shape, &mut parts.lashes)
+    let (Some(region), Some(shape), Some(lashes)) =
+        (&parts.region, &parts.shape, &mut parts.lashes)
     else {
         return;
     };
@@ -477,7 +496,11 @@ pub fn move_lids(
     parts.lids = lid_heights(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 
     let mut vertices = parts.posed.positions.len();
-    if let Some(mut mesh) = parts.skin.as_ref().and_then(|handle| meshes.get_mut(handle)) {
+    if let Some(mut mesh) = parts
+        .skin
+        .as_ref()
+        .and_then(|handle| meshes.get_mut(handle))
+    {
         // What lies in the fold or under the lid changes with the pose, so it rides in the weights.
         let tissue = region.tissue().iter().zip(&parts.posed.light);
         let tissue = tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], *light]);
@@ -492,11 +515,19 @@ pub fn move_lids(
         );
     }
     lashes.pose(&parts.posed, &mut parts.hair);
-    if let Some(mut mesh) = parts.lash_mesh.as_ref().and_then(|handle| meshes.get_mut(handle)) {
+    if let Some(mut mesh) = parts
+        .lash_mesh
+        .as_ref()
+        .and_then(|handle| meshes.get_mut(handle))
+    {
         vertices += parts.hair.positions.len();
         fill_hair(&mut mesh, &parts.hair, lashes.parameter(), lashes.indices());
     }
-    if let Some(mut mesh) = parts.meniscus_mesh.as_ref().and_then(|handle| meshes.get_mut(handle)) {
+    if let Some(mut mesh) = parts
+        .meniscus_mesh
+        .as_ref()
+        .and_then(|handle| meshes.get_mut(handle))
+    {
         let count = parts.posed.meniscus_positions.len();
         vertices += count;
         fill_mesh(

@@ -69,8 +69,12 @@ mod tests {
         assert!(mean[0].abs() < 1e-4 && mean[1].abs() < 1e-4, "{mean:?}");
         assert!(mean[2].abs() < 0.1 && mean[3].abs() < 0.1, "{mean:?}");
         // Across the seam the slope is no steeper than inside.
-        let seam = (0..SIDE).map(|y| tile[y * SIDE][0].abs()).fold(0.0, f32::max);
-        let inner = (0..SIDE).map(|y| tile[y * SIDE + SIDE / 3][0].abs()).fold(0.0, f32::max);
+        let seam = (0..SIDE)
+            .map(|y| tile[y * SIDE][0].abs())
+            .fold(0.0, f32::max);
+        let inner = (0..SIDE)
+            .map(|y| tile[y * SIDE + SIDE / 3][0].abs())
+            .fold(0.0, f32::max);
         assert!(seam < 2.0 * inner, "{seam} {inner}");
     }
 }

@@ -62,7 +62,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("file");
         fs::write(&file, b"x").expect("written");
-        let error = prepare_folder(&file.join("out")).expect_err("refused").to_string();
+        let error = prepare_folder(&file.join("out"))
+            .expect_err("refused")
+            .to_string();
         assert!(error.contains("file/out"), "{error}");
     }
 }

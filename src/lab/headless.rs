@@ -75,7 +75,11 @@ pub fn require_device() -> Result<(), HeadlessError> {
 
 impl Headless {
     /// Builds the app and draws until its first frame is complete, at time 0.
-    pub fn new(session: Session, sizes: [UVec2; 2], shown: [bool; 2]) -> Result<Self, HeadlessError> {
+    pub fn new(
+        session: Session,
+        sizes: [UVec2; 2],
+        shown: [bool; 2],
+    ) -> Result<Self, HeadlessError> {
         require_device()?;
         let mut app = App::new();
         app.add_plugins(
@@ -97,7 +101,14 @@ impl Headless {
                     ..default()
                 }),
         );
-        add_ocularium(&mut app, FramePlugin { session, sizes, shown });
+        add_ocularium(
+            &mut app,
+            FramePlugin {
+                session,
+                sizes,
+                shown,
+            },
+        );
         app.insert_resource(SimulationClock {
             drive: Drive::Manual(0.0),
             ..default()
@@ -180,7 +191,11 @@ impl Headless {
 
     /// What draws.
     pub fn adapter(&self) -> String {
-        self.app.world().resource::<RenderAdapterInfo>().name.clone()
+        self.app
+            .world()
+            .resource::<RenderAdapterInfo>()
+            .name
+            .clone()
     }
 
     /// The picture of a panel as it is now, sRGB-encoded.

@@ -64,12 +64,21 @@ mod tests {
 
     #[test]
     fn it_accepts_itself_and_rejects_a_shift() {
-        let picture = RgbaImage::from_fn(40, 30, |x, y| image::Rgba([(x * 6) as u8, (y * 8) as u8, 0, 255]));
+        let picture = RgbaImage::from_fn(40, 30, |x, y| {
+            image::Rgba([(x * 6) as u8, (y * 8) as u8, 0, 255])
+        });
         let shifted = RgbaImage::from_fn(40, 30, |x, y| *picture.get_pixel((x + 3) % 40, y));
-        let limits = Limits { mean: 0.5, percentile_99: 8 };
+        let limits = Limits {
+            mean: 0.5,
+            percentile_99: 8,
+        };
         let same = Difference::between(&picture, &picture).expect("sizes");
         assert!(same.keeps(&limits) && same.max == 0);
-        assert!(!Difference::between(&picture, &shifted).expect("sizes").keeps(&limits));
+        assert!(
+            !Difference::between(&picture, &shifted)
+                .expect("sizes")
+                .keeps(&limits)
+        );
         assert_eq!(Difference::between(&picture, &RgbaImage::new(1, 1)), None);
     }
 }

@@ -39,9 +39,9 @@ impl Plugin for PerceptPlugin {
         app.insert_resource(returned.clone())
             .init_resource::<Percept>()
             .init_resource::<ViewOptions>()
-            .add_plugins(
-                bevy::render::extract_component::ExtractComponentPlugin::<SceneCamera>::default(),
-            )
+            .add_plugins(bevy::render::extract_component::ExtractComponentPlugin::<
+                SceneCamera,
+            >::default())
             .add_systems(
                 Update,
                 (view::load_scene, view::receive)

@@ -15,11 +15,11 @@ use crate::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
 use bevy::prelude::*;
+use bevy::render::extract_resource::ExtractResourcePlugin;
+use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::BindingResource::{
     self, Sampler as BindSampler, TextureView as BindView,
 };
-use bevy::render::extract_resource::ExtractResourcePlugin;
-use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
     AddressMode, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassDescriptor,
     Extent3d, FilterMode, LoadOp, MipmapFilterMode, Operations, PipelineCache,
@@ -33,7 +33,12 @@ use bevy::render::view::{ViewDepthTexture, ViewTarget};
 use bevy::render::{Render, RenderApp, RenderSystems};
 
 /// What a healthy frame needs, and what a capture needs.
-const FRAME_PASSES: &[Pass] = &[Pass::UpdateField, Pass::ReadBlur, Pass::Present, Pass::Rebase];
+const FRAME_PASSES: &[Pass] = &[
+    Pass::UpdateField,
+    Pass::ReadBlur,
+    Pass::Present,
+    Pass::Rebase,
+];
 const CAPTURE_PASSES: &[Pass] = &[
     Pass::Downsample,
     Pass::FastStrength,
@@ -233,7 +238,10 @@ fn prepare(
         ));
     }
     if let Some(field) = &frame.glaucoma
-        && gpu.field.as_ref().is_none_or(|(version, _)| *version != field.version)
+        && gpu
+            .field
+            .as_ref()
+            .is_none_or(|(version, _)| *version != field.version)
     {
         let texture = device.create_texture_with_data(
             &queue,
@@ -304,7 +312,10 @@ impl Recorder<'_> {
 type Bound<'a> = (u32, BindingResource<'a>);
 
 /// After the scene camera has drawn: its colour and depth become the static view.
-#[expect(clippy::too_many_arguments, reason = "a system's arguments are what it touches")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it touches"
+)]
 fn capture_scene(
     view: ViewQuery<(&ViewTarget, &ViewDepthTexture, &SceneCamera)>,
     frame: Option<Res<PerceptFrame>>,
@@ -319,7 +330,9 @@ fn capture_scene(
     let (target, depth, _) = view.into_inner();
     ledger.scene_passes(1);
     let Some(frame) = frame else { return };
-    let Some(request) = frame.capture.as_ref() else { return };
+    let Some(request) = frame.capture.as_ref() else {
+        return;
+    };
     if !matches!(request.source, CaptureSource::Scene) || request.serial == gpu.captured {
         return;
     }
@@ -335,7 +348,15 @@ fn capture_scene(
         pipelines: &pipelines,
     };
     let gpu = &mut *gpu;
-    if capture(&frame, gpu, &mut readback, &queue, &mut recorder, Pass::CaptureScene, &source) {
+    if capture(
+        &frame,
+        gpu,
+        &mut readback,
+        &queue,
+        &mut recorder,
+        Pass::CaptureScene,
+        &source,
+    ) {
         ledger.view_captures(1);
         ledger.feature_passes(1);
     }
@@ -355,16 +376,23 @@ fn capture(
     let Some(request) = frame.capture.as_ref() else {
         return false;
     };
-    let needed: Vec<Pass> = CAPTURE_PASSES.iter().copied().chain([pass, Pass::GrowTable]).collect();
+    let needed: Vec<Pass> = CAPTURE_PASSES
+        .iter()
+        .copied()
+        .chain([pass, Pass::GrowTable])
+        .collect();
     if readback.busy() || !recorder.pipelines.are_ready(recorder.cache, &needed, false) {
         return false;
     }
     let size = UVec2::from(frame.uniform.size);
     let view = View::new(recorder.device, size);
     let old = make_room(gpu, recorder.device, size, request.forget);
-    let (Some(uniform), Some(counters), Some(candidates), Some(table)) =
-        (&gpu.uniform, &gpu.feature_counters, &gpu.candidates, &gpu.table)
-    else {
+    let (Some(uniform), Some(counters), Some(candidates), Some(table)) = (
+        &gpu.uniform,
+        &gpu.feature_counters,
+        &gpu.candidates,
+        &gpu.table,
+    ) else {
         return false;
     };
     let mut data = frame.uniform;
@@ -386,8 +414,16 @@ fn capture(
     run(pass, &bound, pixels);
     for level in 1..mip_levels(size.x, size.y) {
         let (finer, coarser) = (view.level(level - 1), view.level(level));
-        let groups = pixel_groups((size.x >> level).max(1), (size.y >> level).max(1), WORKGROUP);
-        run(Pass::Downsample, &[(7, BindView(&finer)), (8, BindView(&coarser))], groups);
+        let groups = pixel_groups(
+            (size.x >> level).max(1),
+            (size.y >> level).max(1),
+            WORKGROUP,
+        );
+        run(
+            Pass::Downsample,
+            &[(7, BindView(&finer)), (8, BindView(&coarser))],
+            groups,
+        );
     }
     queue.write_buffer(counters, 0, &[0; FEATURE_COUNTERS * 4]);
     let bound = [
@@ -402,7 +438,10 @@ fn capture(
         run(pass, &bound, pixels);
     }
     if old.is_some() || request.forget || table_is_new(gpu) {
-        let keys = [(0, uniform.as_entire_binding()), (5, table.keys.as_entire_binding())];
+        let keys = [
+            (0, uniform.as_entire_binding()),
+            (5, table.keys.as_entire_binding()),
+        ];
         run(Pass::Rebase, &keys, slot_groups(table.slots));
     }
     if let Some(old) = &old {
@@ -448,7 +487,12 @@ fn table_is_new(gpu: &PerceptGpu) -> bool {
 }
 
 /// A table with room for another view; the old one, if its voxels have to move into it.
-fn make_room(gpu: &mut PerceptGpu, device: &RenderDevice, size: UVec2, forget: bool) -> Option<Table> {
+fn make_room(
+    gpu: &mut PerceptGpu,
+    device: &RenderDevice,
+    size: UVec2,
+    forget: bool,
+) -> Option<Table> {
     if forget {
         gpu.table = None;
         gpu.occupied = 0;
@@ -467,7 +511,10 @@ fn make_room(gpu: &mut PerceptGpu, device: &RenderDevice, size: UVec2, forget: b
 }
 
 /// The frame's own work: photograph capture, field update, picture.
-#[expect(clippy::too_many_arguments, reason = "a system's arguments are what it touches")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it touches"
+)]
 fn draw_view(
     frame: Option<Res<PerceptFrame>>,
     mut gpu: ResMut<PerceptGpu>,
@@ -489,7 +536,10 @@ fn draw_view(
         && request.serial != gpu.captured
         && let (Some(colour), Some(vergence)) = (images.get(colour), images.get(vergence))
     {
-        let source = [(1, BindView(&colour.texture_view)), (3, BindView(&vergence.texture_view))];
+        let source = [
+            (1, BindView(&colour.texture_view)),
+            (3, BindView(&vergence.texture_view)),
+        ];
         let mut recorder = Recorder {
             encoder: ctx.command_encoder(),
             device: &device,
@@ -497,7 +547,15 @@ fn draw_view(
             pipelines: &pipelines,
         };
         let gpu = &mut *gpu;
-        if capture(&frame, gpu, &mut readback, &queue, &mut recorder, Pass::CapturePhoto, &source) {
+        if capture(
+            &frame,
+            gpu,
+            &mut readback,
+            &queue,
+            &mut recorder,
+            Pass::CapturePhoto,
+            &source,
+        ) {
             ledger.view_captures(1);
             ledger.feature_passes(1);
         }
@@ -522,9 +580,13 @@ fn show(
     recorder: &mut Recorder<'_>,
 ) {
     let glaucoma = frame.glaucoma.is_some();
-    let (Some(view), Some(table), Some(uniform), Some(sampler), Some(target)) =
-        (&gpu.view, &gpu.table, &gpu.uniform, &gpu.sampler, images.get(&frame.target))
-    else {
+    let (Some(view), Some(table), Some(uniform), Some(sampler), Some(target)) = (
+        &gpu.view,
+        &gpu.table,
+        &gpu.uniform,
+        &gpu.sampler,
+        images.get(&frame.target),
+    ) else {
         return;
     };
     let field = gpu.field.as_ref().map(|(_, view)| view);
@@ -534,7 +596,10 @@ fn show(
     let pixels = u64::from(view.size.x) * u64::from(view.size.y);
     let field_at = |at| field.map(|field| (at, BindView(field)));
     if frame.uniform.rebase_steps != FORGET || frame.forget {
-        let bound = [(0, uniform.as_entire_binding()), (5, table.keys.as_entire_binding())];
+        let bound = [
+            (0, uniform.as_entire_binding()),
+            (5, table.keys.as_entire_binding()),
+        ];
         recorder.run(Pass::Rebase, false, &bound, slot_groups(table.slots));
     }
     if frame.update {
@@ -563,7 +628,12 @@ fn show(
         (8, view.tile_near.as_entire_binding()),
     ];
     bound.extend(field_at(12));
-    recorder.run(Pass::ReadBlur, glaucoma, &bound, pixel_groups(view.size.x, view.size.y, TILE));
+    recorder.run(
+        Pass::ReadBlur,
+        glaucoma,
+        &bound,
+        pixel_groups(view.size.x, view.size.y, TILE),
+    );
     let mut bound = vec![
         (0, uniform.as_entire_binding()),
         (1, BindView(&view.colour_view)),
@@ -595,14 +665,21 @@ fn show(
     pass.set_bind_group(0, &bindings, &[]);
     pass.draw(0..3, 0..1);
     ledger.view_passes(1);
-    ledger.view_pixels(u64::from(target.texture_descriptor.size.width) * u64::from(target.texture_descriptor.size.height));
+    ledger.view_pixels(
+        u64::from(target.texture_descriptor.size.width)
+            * u64::from(target.texture_descriptor.size.height),
+    );
     if glaucoma {
         ledger.glaucoma_passes(1);
     }
 }
 
 /// Hands finished copies to the main world.
-fn collect(mut readback: ResMut<Readback>, mut gpu: ResMut<PerceptGpu>, returned: Res<PerceptReturn>) {
+fn collect(
+    mut readback: ResMut<Readback>,
+    mut gpu: ResMut<PerceptGpu>,
+    returned: Res<PerceptReturn>,
+) {
     if let Some(capture) = readback.take_finished() {
         gpu.occupied = capture.occupied;
         returned.give(capture);

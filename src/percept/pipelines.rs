@@ -248,7 +248,12 @@ impl Pipelines {
         queued.keys().copied().collect()
     }
 
-    fn get(&self, cache: &PipelineCache, pass: Pass, glaucoma: bool) -> (BindGroupLayoutDescriptor, Id) {
+    fn get(
+        &self,
+        cache: &PipelineCache,
+        pass: Pass,
+        glaucoma: bool,
+    ) -> (BindGroupLayoutDescriptor, Id) {
         self.want(cache, pass, glaucoma);
         let queued = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = &queued[&(pass, glaucoma && pass.knows_glaucoma())];

@@ -4,9 +4,7 @@ use super::frame::{
     CaptureRequest, CaptureResult, CaptureSource, FieldMap, PerceptFrame, PerceptReturn,
     SceneCamera,
 };
-use super::gpu_data::{
-    FORGET, PerceptUniform, default_voxel_angle_rad, pixels_per_radian,
-};
+use super::gpu_data::{FORGET, PerceptUniform, default_voxel_angle_rad, pixels_per_radian};
 use super::sharpness_field::SharpnessClock;
 use super::visual_field::VisualField;
 use crate::anatomy::{Eyelids, GazeController, Glaucoma, Lens, Pupil, SharpnessField};
@@ -117,7 +115,9 @@ impl Percept {
     pub fn look_at(&self, place: Vec2) -> (f64, f64, f64) {
         let size = self.captured.size;
         let (azimuth, elevation) = direction_of(place, size, self.half_field(size));
-        let pixel = place.clamp(Vec2::ZERO, (size.as_vec2() - 1.0).max(Vec2::ZERO)).as_uvec2();
+        let pixel = place
+            .clamp(Vec2::ZERO, (size.as_vec2() - 1.0).max(Vec2::ZERO))
+            .as_uvec2();
         let at = (pixel.y * size.x + pixel.x) as usize;
         let vergence = self.captured.vergence_d.get(at).copied().unwrap_or(0.0);
         (azimuth, elevation, distance_m(vergence))
@@ -154,7 +154,9 @@ fn spread_out(corners: &[[u32; 4]], size: UVec2) -> Vec<[u32; 4]> {
     };
     let mut best: Vec<Vec<usize>> = vec![Vec::new(); (PARTS * PARTS) as usize];
     for (index, corner) in corners.iter().enumerate() {
-        let Some(kept) = best.get_mut(part(corner)) else { continue };
+        let Some(kept) = best.get_mut(part(corner)) else {
+            continue;
+        };
         kept.push(index);
         // Stable: of equals the earlier one stays.
         kept.sort_by_key(|&index| std::cmp::Reverse(corners[index][2]));
@@ -219,7 +221,13 @@ pub fn load_scene(
     match &*session.scene {
         LoadedScene::Model(model) => {
             percept.placement = model.eye;
-            spawn_model(model, &mut commands, &mut meshes, &mut materials, &mut images);
+            spawn_model(
+                model,
+                &mut commands,
+                &mut meshes,
+                &mut materials,
+                &mut images,
+            );
             commands.spawn(scene_camera(model));
         }
         LoadedScene::Photo(photo) => {
@@ -315,7 +323,7 @@ pub fn drive_capture(
         for (mut camera, _, _) in &mut camera {
             camera.is_active = false;
         }
-        if percept.captured.serial == 0 && !clock.ready && readiness.quiet_frames() >= 3 {
+        if !clock.ready && readiness.quiet_frames() >= 3 {
             // An eye that is shown alone still looks about; no pass of the view runs for it.
             candidates.list = idle_candidates(session.seed);
             candidates.version += 1;
@@ -395,23 +403,33 @@ fn supersampling(size: UVec2) -> u32 {
 }
 
 fn picture_image(size: UVec2) -> Image {
-    let mut image =
-        Image::new_target_texture(size.x, size.y, TextureFormat::Rgba16Float, None);
+    let mut image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba16Float, None);
     image.asset_usage = bevy::asset::RenderAssetUsages::RENDER_WORLD;
     image.data = None;
     image
 }
 
 /// The frame of the view: what the passes are to do, if anything.
-#[expect(clippy::too_many_arguments, reason = "a system's arguments are what it reads")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads"
+)]
 pub fn perceive(
     panels: Res<Panels>,
     session: Res<Session>,
     clock: Res<SimulationClock>,
     options: Res<ViewOptions>,
+    readiness: Res<Readiness>,
     mut percept: ResMut<Percept>,
     patient: Query<
-        (&GazeController, &Pupil, &Lens, &Eyelids, &SharpnessField, Option<&Glaucoma>),
+        (
+            &GazeController,
+            &Pupil,
+            &Lens,
+            &Eyelids,
+            &SharpnessField,
+            Option<&Glaucoma>,
+        ),
         With<PatientMarker>,
     >,
     mut commands: Commands,
@@ -483,6 +501,10 @@ pub fn perceive(
         forget: percept.forget_scene,
     });
     // During a saccade vision is suppressed, and behind closed lids there is none.
+    if readiness.quiet_frames() < 3 {
+        // A pass whose pipeline is not built yet is skipped, so what was asked for may not be shown.
+        percept.shown = None;
+    }
     let first = percept.shown.is_none();
     let seeing = lids.aperture > SEEING_APERTURE && !gaze.in_saccade;
     let changed = percept.shown.as_ref() != Some(&uniform);
@@ -506,7 +528,9 @@ pub fn perceive(
 fn static_uniform(percept: &Percept, size: UVec2, options: &ViewOptions) -> PerceptUniform {
     let half = percept.half_field(size);
     let forward = Vec3::from(percept.placement.forward).normalize_or(Vec3::NEG_Z);
-    let right = forward.cross(Vec3::from(percept.placement.up)).normalize_or(Vec3::X);
+    let right = forward
+        .cross(Vec3::from(percept.placement.up))
+        .normalize_or(Vec3::X);
     let up = right.cross(forward);
     let pixels = pixels_per_radian(size.x, half.x);
     let photo = percept.photo.is_some();

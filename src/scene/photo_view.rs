@@ -25,9 +25,15 @@ pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
             }
             colour.extend_from_slice(&f16::ONE.to_le_bytes());
             // Distances are not averaged: between two surfaces there is nothing.
-            let middle = (low + 0.5 * scale).clamp(Vec2::ZERO, source - 1.0).as_uvec2();
+            let middle = (low + 0.5 * scale)
+                .clamp(Vec2::ZERO, source - 1.0)
+                .as_uvec2();
             let depth_m = photo.depth_at_m(middle.x, middle.y);
-            let value = if depth_m.is_finite() && depth_m > 0.0 { 1.0 / depth_m } else { 0.0 };
+            let value = if depth_m.is_finite() && depth_m > 0.0 {
+                1.0 / depth_m
+            } else {
+                0.0
+            };
             vergence.extend_from_slice(&value.to_le_bytes());
         }
     }
@@ -44,7 +50,12 @@ pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
 fn mean_colour(photo: &PhotoScene, low: Vec2, high: Vec2) -> [f32; 3] {
     let last = UVec2::new(photo.width - 1, photo.height - 1);
     let from = (low + 0.5).floor().max(Vec2::ZERO).as_uvec2().min(last);
-    let to = (high - 0.5).ceil().max(Vec2::ZERO).as_uvec2().min(last).max(from);
+    let to = (high - 0.5)
+        .floor()
+        .max(Vec2::ZERO)
+        .as_uvec2()
+        .min(last)
+        .max(from);
     let mut sum = [0.0f32; 3];
     for y in from.y..=to.y {
         for x in from.x..=to.x {

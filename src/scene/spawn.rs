@@ -128,20 +128,26 @@ fn linear(color: [f32; 3]) -> Color {
 fn bevy_mesh(mesh: &SceneMesh, with_normal_map: bool) -> Mesh {
     let count = mesh.positions.len();
     // Every mesh has the same attributes, so that one pipeline draws them all.
-    let mut out = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, mesh.normals.clone())
-        .with_inserted_attribute(
-            Mesh::ATTRIBUTE_UV_0,
-            mesh.uvs.clone().unwrap_or_else(|| vec![[0.0; 2]; count]),
-        )
-        .with_inserted_attribute(
-            Mesh::ATTRIBUTE_COLOR,
-            mesh.colors.clone().unwrap_or_else(|| vec![[1.0; 4]; count]),
-        )
-        .with_inserted_indices(Indices::U32(mesh.indices.clone()));
+    let mut out = Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::RENDER_WORLD,
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, mesh.normals.clone())
+    .with_inserted_attribute(
+        Mesh::ATTRIBUTE_UV_0,
+        mesh.uvs.clone().unwrap_or_else(|| vec![[0.0; 2]; count]),
+    )
+    .with_inserted_attribute(
+        Mesh::ATTRIBUTE_COLOR,
+        mesh.colors.clone().unwrap_or_else(|| vec![[1.0; 4]; count]),
+    )
+    .with_inserted_indices(Indices::U32(mesh.indices.clone()));
     if with_normal_map && let Err(error) = out.generate_tangents() {
-        warn!("mesh {:?} is drawn without its normal map: {error}", mesh.name);
+        warn!(
+            "mesh {:?} is drawn without its normal map: {error}",
+            mesh.name
+        );
     }
     out
 }

@@ -63,11 +63,11 @@ impl IrisPigment {
         border_layer_melanin_fraction: 0.28,
         eumelanin_ratio: 0.3,
     };
-    /// Dense melanin in both layers, most of it eumelanin.
+    /// Dense melanin in both layers, enough of it pheomelanin to be warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.02,
-        border_layer_melanin_fraction: 0.42,
-        eumelanin_ratio: 0.4,
+        stroma_melanin_fraction: 0.04,
+        border_layer_melanin_fraction: 0.5,
+        eumelanin_ratio: 0.15,
     };
 
     /// Fractions clamped to their ranges; what is not a number counts as none.

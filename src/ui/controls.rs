@@ -90,7 +90,9 @@ fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             Ok(model) => {
                 controlled
                     .session_commands
-                    .write(SessionCommand::Scene(Arc::new(LoadedScene::Model(Box::new(model)))));
+                    .write(SessionCommand::Scene(Arc::new(LoadedScene::Model(
+                        Box::new(model),
+                    ))));
             }
             Err(error) => state.message = Some(error.to_string()),
         }
@@ -115,7 +117,9 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         }
         if ui.button("Restart").clicked() {
             let seed = state.seed.trim().parse().unwrap_or(controlled.session.seed);
-            controlled.session_commands.write(SessionCommand::Restart(seed));
+            controlled
+                .session_commands
+                .write(SessionCommand::Restart(seed));
         }
     });
     ui.horizontal(|ui| {
@@ -129,7 +133,9 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             && let Ok(seed) = valid
             && seed != controlled.session.seed
         {
-            controlled.session_commands.write(SessionCommand::Restart(seed));
+            controlled
+                .session_commands
+                .write(SessionCommand::Restart(seed));
         }
     });
     ui.add(
@@ -160,7 +166,9 @@ fn gaze(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
                 distance_m: motion.state.fixation_distance_m,
             },
         };
-        controlled.motion_commands.write(MotionCommand::Gaze(command));
+        controlled
+            .motion_commands
+            .write(MotionCommand::Gaze(command));
     }
     ui.horizontal(|ui| {
         if ui.button("Blink").clicked() {
@@ -171,7 +179,10 @@ fn gaze(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
 }
 
 fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
-    let now = controlled.motion.as_ref().map_or(4.0, |motion| motion.state.pupil_mm);
+    let now = controlled
+        .motion
+        .as_ref()
+        .map_or(4.0, |motion| motion.state.pupil_mm);
     let mut held = state.held_pupil_mm.is_some();
     let mut diameter = state.held_pupil_mm.unwrap_or(now);
     ui.horizontal(|ui| {
@@ -185,7 +196,9 @@ fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     let wanted = held.then_some(diameter);
     if wanted != state.held_pupil_mm {
         state.held_pupil_mm = wanted;
-        controlled.motion_commands.write(MotionCommand::Pupil(wanted));
+        controlled
+            .motion_commands
+            .write(MotionCommand::Pupil(wanted));
     }
 }
 
@@ -210,7 +223,9 @@ fn panels(ui: &mut Ui, controlled: &mut Controlled) {
 }
 
 fn numbers(ui: &mut Ui, controlled: &Controlled) {
-    let Some(motion) = &controlled.motion else { return };
+    let Some(motion) = &controlled.motion else {
+        return;
+    };
     let state = &motion.state;
     ui.separator();
     egui::Grid::new("numbers").num_columns(2).show(ui, |ui| {
@@ -233,7 +248,10 @@ fn numbers(ui: &mut Ui, controlled: &Controlled) {
         row("pupil", format!("{:.2} mm", state.pupil_mm));
         row("fixations", state.fixation_index.to_string());
         row("blinks", state.blink_epoch.to_string());
-        row("candidates", controlled.percept.captured().corners.len().to_string());
+        row(
+            "candidates",
+            controlled.percept.captured().corners.len().to_string(),
+        );
     });
 }
 

@@ -17,9 +17,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_egui::egui::{self, LayerId, UiBuilder};
-use bevy_egui::{
-    EguiContexts, EguiPrimaryContextPass, EguiTextureHandle, EguiUserTextures,
-};
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, EguiTextureHandle, EguiUserTextures};
 use std::time::Duration;
 
 /// Who directs gaze.
@@ -98,7 +96,10 @@ impl Plugin for UiPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<UiState>()
             .add_systems(Startup, register_pictures)
-            .add_systems(Update, (keyboard, save_power, choose_quality).before(crate::app::EyeSystems::Sense))
+            .add_systems(
+                Update,
+                (keyboard, save_power, choose_quality).before(crate::app::EyeSystems::Sense),
+            )
             .add_systems(EguiPrimaryContextPass, draw);
     }
 }
@@ -142,7 +143,9 @@ fn keyboard(
     }
     if keys.just_pressed(KeyCode::KeyR) {
         let seed = controlled.session.seed;
-        controlled.session_commands.write(SessionCommand::Restart(seed));
+        controlled
+            .session_commands
+            .write(SessionCommand::Restart(seed));
     }
     if keys.just_pressed(KeyCode::KeyH) {
         state.controls_open = !state.controls_open;
@@ -156,7 +159,10 @@ fn keyboard(
         (KeyCode::KeyB, [true, true]),
     ] {
         if keys.just_pressed(key) {
-            [controlled.panels.eye.visible, controlled.panels.view.visible] = shown;
+            [
+                controlled.panels.eye.visible,
+                controlled.panels.view.visible,
+            ] = shown;
         }
     }
 }
@@ -188,7 +194,11 @@ fn choose_quality(
     }
     quality.set_if_neq(crate::appearance::EyeQuality { msaa: Msaa::Off });
     if clock.ready && !clock.paused {
-        *fast_frames = if time.delta_secs() < 0.024 { *fast_frames + 1 } else { 0 };
+        *fast_frames = if time.delta_secs() < 0.024 {
+            *fast_frames + 1
+        } else {
+            0
+        };
         if *fast_frames > 90 {
             *decided = true;
             quality.msaa = Msaa::Sample4;
@@ -197,10 +207,7 @@ fn choose_quality(
 }
 
 /// While nothing moves, the window waits for input instead of drawing.
-fn save_power(
-    clock: Res<SimulationClock>,
-    winit: Option<ResMut<WinitSettings>>,
-) {
+fn save_power(clock: Res<SimulationClock>, winit: Option<ResMut<WinitSettings>>) {
     let Some(mut winit) = winit else { return };
     let mode = if clock.ready && clock.paused && clock.steps == 0 {
         UpdateMode::reactive_low_power(Duration::from_secs(5))

@@ -18,19 +18,34 @@ pub fn draw(
     pictures: [Option<TextureId>; 2],
 ) {
     let area = ui.available_rect_before_wrap();
-    let shown = [controlled.panels.eye.visible, controlled.panels.view.visible];
+    let shown = [
+        controlled.panels.eye.visible,
+        controlled.panels.view.visible,
+    ];
     state.rectangles = rectangles(area, shown);
     if shown == [false, false] {
-        ui.centered_and_justified(|ui| ui.weak("Both panels are hidden: nothing is drawn. Press B."));
+        ui.centered_and_justified(|ui| {
+            ui.weak("Both panels are hidden: nothing is drawn. Press B.")
+        });
         return;
     }
     let scale = ui.ctx().pixels_per_point();
     if let Some(rectangle) = state.rectangles[0] {
-        resize(&mut controlled.panels.eye, &mut controlled.images, rectangle, scale);
+        resize(
+            &mut controlled.panels.eye,
+            &mut controlled.images,
+            rectangle,
+            scale,
+        );
         eye(ui, controlled, pictures[0], rectangle);
     }
     if let Some(rectangle) = state.rectangles[1] {
-        resize(&mut controlled.panels.view, &mut controlled.images, rectangle, scale);
+        resize(
+            &mut controlled.panels.view,
+            &mut controlled.images,
+            rectangle,
+            scale,
+        );
         view(ui, state, controlled, pictures[1], rectangle);
     }
 }
@@ -75,7 +90,8 @@ fn resize(
 fn paint(ui: &Ui, picture: Option<TextureId>, rectangle: Rect) {
     if let Some(picture) = picture {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(picture, rectangle, whole, egui::Color32::WHITE);
+        ui.painter()
+            .image(picture, rectangle, whole, egui::Color32::WHITE);
     }
 }
 
@@ -91,7 +107,8 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
         orbit.elevation_deg += drag.y * 0.35;
     }
     if response.hovered() {
-        let scroll = ui.input(|input| input.smooth_scroll_delta.y + 120.0 * (input.zoom_delta() - 1.0));
+        let scroll =
+            ui.input(|input| input.smooth_scroll_delta.y + 120.0 * (input.zoom_delta() - 1.0));
         orbit.distance_mm *= (-scroll * 0.002).exp();
     }
     if response.double_clicked() {
@@ -125,25 +142,41 @@ fn view(
     let target = |at: egui::Pos2| {
         let share = (at - rectangle.min) / rectangle.size();
         let size = controlled.panels.view.size.as_vec2();
-        controlled.percept.look_at(Vec2::new(share.x * size.x, share.y * size.y))
+        controlled
+            .percept
+            .look_at(Vec2::new(share.x * size.x, share.y * size.y))
     };
     let command = if response.clicked() {
         response.interact_pointer_pos().map(|at| {
             let (azimuth_rad, elevation_rad, distance_m) = target(at);
             match state.gaze {
-                GazeMode::Auto => GazeCommand::LookOnce { azimuth_rad, elevation_rad, distance_m },
-                _ => GazeCommand::Fixed { azimuth_rad, elevation_rad, distance_m },
+                GazeMode::Auto => GazeCommand::LookOnce {
+                    azimuth_rad,
+                    elevation_rad,
+                    distance_m,
+                },
+                _ => GazeCommand::Fixed {
+                    azimuth_rad,
+                    elevation_rad,
+                    distance_m,
+                },
             }
         })
     } else if state.gaze == GazeMode::Follow && ui.input(|input| input.pointer.is_moving()) {
         response.hover_pos().map(|at| {
             let (azimuth_rad, elevation_rad, distance_m) = target(at);
-            GazeCommand::Follow { azimuth_rad, elevation_rad, distance_m }
+            GazeCommand::Follow {
+                azimuth_rad,
+                elevation_rad,
+                distance_m,
+            }
         })
     } else {
         None
     };
     if let Some(command) = command {
-        controlled.motion_commands.write(MotionCommand::Gaze(command));
+        controlled
+            .motion_commands
+            .write(MotionCommand::Gaze(command));
     }
 }

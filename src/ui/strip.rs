@@ -9,14 +9,26 @@ const SPAN_S: f64 = 10.0;
 
 /// Draws the strip.
 pub fn draw(ui: &mut Ui, controlled: &Controlled) {
-    let Some(motion) = &controlled.motion else { return };
+    let Some(motion) = &controlled.motion else {
+        return;
+    };
     let now = controlled.clock.time_s;
     let series: [(&str, Color32, fn(&crate::motion::trace::TraceRow) -> f64); 5] = [
-        ("azimuth °", Color32::from_rgb(110, 170, 255), |row| row.gaze_azimuth_deg),
-        ("elevation °", Color32::from_rgb(120, 220, 160), |row| row.gaze_elevation_deg),
-        ("pupil mm", Color32::from_rgb(240, 200, 90), |row| row.pupil_mm),
-        ("lens D", Color32::from_rgb(230, 120, 200), |row| row.accommodation_d),
-        ("lid ×10", Color32::from_rgb(235, 120, 90), |row| row.lid_aperture * 10.0),
+        ("azimuth °", Color32::from_rgb(110, 170, 255), |row| {
+            row.gaze_azimuth_deg
+        }),
+        ("elevation °", Color32::from_rgb(120, 220, 160), |row| {
+            row.gaze_elevation_deg
+        }),
+        ("pupil mm", Color32::from_rgb(240, 200, 90), |row| {
+            row.pupil_mm
+        }),
+        ("lens D", Color32::from_rgb(230, 120, 200), |row| {
+            row.accommodation_d
+        }),
+        ("lid ×10", Color32::from_rgb(235, 120, 90), |row| {
+            row.lid_aperture * 10.0
+        }),
     ];
     Plot::new("strip")
         .legend(Legend::default().follow_insertion_order(true))
