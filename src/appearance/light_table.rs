@@ -10,7 +10,7 @@ use crate::optics::fermat::{FERMAT_STEPS, fermat_entry};
 use glam::{DVec2, DVec3};
 
 /// Texels along each side of one lamp's part of the table.
-pub const SIDE: usize = 32;
+pub const SIDE: usize = 48;
 /// Lamps in the table, side by side along u.
 pub const LAMPS: usize = 2;
 /// The table reaches this far beyond the iris root, as a share of its radius.
@@ -101,11 +101,16 @@ impl LightTableSettings {
     /// unbounded irradiance, radius of entry in mm. The limbus' cut is left to the look-up: it is
     /// the one thing here that changes within a cell.
     pub fn texels(&self) -> Vec<[f32; 4]> {
-        let at = |i: usize| (i as f64 / (SIDE - 1) as f64 * 2.0 - 1.0) * self.root_mm * REACH;
-        let mut out = Vec::with_capacity(SIDE * SIDE * LAMPS);
-        for row in 0..SIDE {
+        self.texels_of(SIDE)
+    }
+
+    /// The table with another number of texels along each side, to measure what that costs and gains.
+    pub fn texels_of(&self, side: usize) -> Vec<[f32; 4]> {
+        let at = |i: usize| (i as f64 / (side - 1) as f64 * 2.0 - 1.0) * self.root_mm * REACH;
+        let mut out = Vec::with_capacity(side * side * LAMPS);
+        for row in 0..side {
             for lamp in 0..LAMPS {
-                for column in 0..SIDE {
+                for column in 0..side {
                     let light = self.continued(lamp, DVec2::new(at(column), at(row)));
                     out.push([
                         light.towards.x as f32,
@@ -125,7 +130,7 @@ fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Bilinear look-up as the shader does it.
+/// Bilinear look-up as the shader does it, in a table of any size.
 pub fn look_up(
     texels: &[[f32; 4]],
     settings: &LightTableSettings,
@@ -133,13 +138,14 @@ pub fn look_up(
     place: DVec2,
 ) -> IrisLight {
     let reach = settings.root_mm * REACH;
-    let last = (SIDE - 1) as f64;
+    let side = (texels.len() / LAMPS).isqrt();
+    let last = (side - 1) as f64;
     let at = ((place / reach) * 0.5 + 0.5).clamp(DVec2::ZERO, DVec2::ONE) * last;
     let corner = at.floor().min(DVec2::splat(last - 1.0));
     let f = at - corner;
     let texel = |dx: usize, dy: usize| {
-        let column = lamp * SIDE + corner.x as usize + dx;
-        texels[(corner.y as usize + dy) * SIDE * LAMPS + column].map(f64::from)
+        let column = lamp * side + corner.x as usize + dx;
+        texels[(corner.y as usize + dy) * side * LAMPS + column].map(f64::from)
     };
     let mix = |channel: usize| {
         let top = texel(0, 0)[channel] * (1.0 - f.x) + texel(1, 0)[channel] * f.x;

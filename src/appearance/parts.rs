@@ -22,6 +22,7 @@ use crate::readiness::Readiness;
 use crate::tissue::iris_reflectance::{IrisPigment, IrisReflectanceTable};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
+use bevy::ecs::system::SystemParam;
 use bevy::math::{DVec2, DVec3};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
@@ -79,6 +80,15 @@ type NewPatient = Or<(
     Changed<Sclera>,
 )>;
 
+/// The stores of the eye's materials.
+#[derive(SystemParam)]
+pub struct EyeMaterials<'w> {
+    globes: ResMut<'w, Assets<GlobeMaterial>>,
+    skins: ResMut<'w, Assets<SkinMaterial>>,
+    hairs: ResMut<'w, Assets<HairMaterial>>,
+    tears: ResMut<'w, Assets<MeniscusMaterial>>,
+}
+
 /// Builds meshes, maps and materials of a patient that is new or changed.
 #[expect(
     clippy::too_many_arguments,
@@ -94,16 +104,17 @@ pub fn build_eye(
     mut parts: ResMut<EyeParts>,
     mut commands: Commands,
     (mut meshes, mut images): (ResMut<Assets<Mesh>>, ResMut<Assets<Image>>),
-    (mut globes, mut skins, mut hairs, mut tears): (
-        ResMut<Assets<GlobeMaterial>>,
-        ResMut<Assets<SkinMaterial>>,
-        ResMut<Assets<HairMaterial>>,
-        ResMut<Assets<MeniscusMaterial>>,
-    ),
+    materials: EyeMaterials,
 ) {
     let Ok((eye, cornea, iris, sclera, lids)) = patient.single() else {
         return;
     };
+    let EyeMaterials {
+        mut globes,
+        mut skins,
+        mut hairs,
+        mut tears,
+    } = materials;
     if cameras.is_empty() {
         commands.spawn(camera_bundle(&panels));
     }

@@ -2,8 +2,10 @@
 //!
 //! Leaves, in a folder: `frames.csv` (milliseconds a frame by case), `field.csv`
 //! (the sharpness field in rooms of different volume), `summary.json`, and
-//! `frames.svg`. Every number is measured in this run.
+//! `frames.svg`, and `errors.csv` with `errors.svg` (error against time of each
+//! approximation). Every number is measured in this run.
 
+use super::errors::{self, ErrorRow};
 use super::files::{WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError};
 use super::render::median;
@@ -77,6 +79,7 @@ struct Summary {
     frames: Vec<FrameCase>,
     field: Vec<FieldCase>,
     field_time_ratio_8x_volume: f64,
+    errors: Vec<ErrorRow>,
 }
 
 fn session(patient: &str, factor: f32) -> Result<Session, BenchError> {
@@ -226,6 +229,19 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
             case.table_bytes as f64 / 1e6,
         );
     }
+    let errors = errors::measure(if quick { 4_000 } else { 100_000 });
+    for row in &errors {
+        eprintln!(
+            "{:<24} {:<22} {:>4}: {:9.1} ns, error {:.2e} rms, {:.2e} max {}",
+            row.task,
+            row.method,
+            row.parameter,
+            row.ns_per_call,
+            row.err_rms,
+            row.err_max,
+            row.unit
+        );
+    }
     let summary = Summary {
         version: env!("CARGO_PKG_VERSION"),
         device,
@@ -234,10 +250,11 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
         field_time_ratio_8x_volume: field[1].ms_median / field[0].ms_median,
         frames,
         field,
+        errors,
     };
     write_files(out, &summary)?;
     eprintln!(
-        "frames.csv, field.csv, summary.json and frames.svg in {}",
+        "frames.csv, field.csv, errors.csv, summary.json, frames.svg and errors.svg in {}",
         out.display()
     );
     Ok(())
@@ -276,6 +293,13 @@ fn write_files(out: &Path, summary: &Summary) -> Result<(), BenchError> {
         reason: error.to_string(),
     })?;
     write_whole(&out.join("summary.json"), &json)?;
+    write_whole(
+        &out.join("errors.csv"),
+        errors::csv(&summary.errors).as_bytes(),
+    )?;
+    let svg = errors::plot(&summary.errors)
+        .map_err(|error| BenchError::Plot("errors.svg", error.to_string()))?;
+    write_whole(&out.join("errors.svg"), svg.as_bytes())?;
     let svg = frames_plot(&summary.frames)
         .map_err(|error| BenchError::Plot("frames.svg", error.to_string()))?;
     Ok(write_whole(&out.join("frames.svg"), svg.as_bytes())?)

@@ -3,6 +3,7 @@
 //! Enters: a session. Leaves: images, traces and numbers, on the desktop only.
 
 pub mod bench;
+pub mod errors;
 pub mod files;
 pub mod headless;
 pub mod image_difference;

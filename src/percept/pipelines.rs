@@ -296,13 +296,13 @@ impl Pipelines {
     /// Are these passes all built?
     pub fn are_ready(&self, cache: &PipelineCache, passes: &[Pass], glaucoma: bool) -> bool {
         // Every one is asked for, so that they are built together.
-        passes
+        let missing = passes
             .iter()
-            .map(|&pass| match self.get(cache, pass, glaucoma).1 {
-                Id::Compute(id) => cache.get_compute_pipeline(id).is_some(),
-                Id::Render(id) => cache.get_render_pipeline(id).is_some(),
-            })
-            .fold(true, |all, ready| all && ready)
+            .filter(|&&pass| match self.get(cache, pass, glaucoma).1 {
+                Id::Compute(id) => cache.get_compute_pipeline(id).is_none(),
+                Id::Render(id) => cache.get_render_pipeline(id).is_none(),
+            });
+        missing.count() == 0
     }
 }
 

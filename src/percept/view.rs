@@ -193,18 +193,22 @@ fn gaze_direction(azimuth_rad: f64, elevation_rad: f64) -> [f32; 3] {
     ]
 }
 
+type OldScene = Or<(With<ScenePart>, With<SceneCamera>)>;
+
 /// Spawns the scene that is looked at, when it changes.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are the stores that it fills"
+)]
 pub fn load_scene(
     session: Res<Session>,
     readiness: Res<Readiness>,
     mut percept: ResMut<Percept>,
-    old: Query<Entity, Or<(With<ScenePart>, With<SceneCamera>)>>,
+    old: Query<Entity, OldScene>,
     mut commands: Commands,
-    (mut meshes, mut materials, mut images): (
-        ResMut<Assets<Mesh>>,
-        ResMut<Assets<StandardMaterial>>,
-        ResMut<Assets<Image>>,
-    ),
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut images: ResMut<Assets<Image>>,
 ) {
     if percept.scene_version == session.scene_version {
         return;
@@ -305,7 +309,13 @@ pub fn receive(
     clock.ready = true;
 }
 
+type SceneCameraParts<'a> = (&'a mut Camera, &'a mut Projection, &'a mut RenderTarget);
+
 /// Asks for a capture when scene or size changed, as soon as everything that it shows is built.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads and drives"
+)]
 pub fn drive_capture(
     panels: Res<Panels>,
     session: Res<Session>,
@@ -314,7 +324,7 @@ pub fn drive_capture(
     mut candidates: ResMut<Candidates>,
     mut percept: ResMut<Percept>,
     mut images: ResMut<Assets<Image>>,
-    mut camera: Query<(&mut Camera, &mut Projection, &mut RenderTarget), With<SceneCamera>>,
+    mut camera: Query<SceneCameraParts, With<SceneCamera>>,
 ) {
     let size = panels.view.size;
     if !panels.view.visible {
@@ -370,7 +380,7 @@ pub fn drive_capture(
     let drawing = match percept.stage {
         Stage::Wanted => percept.waited <= 2,
         // A capture whose pipelines were late is tried again, not drawn in vain every frame.
-        Stage::Asked => percept.waited % 4 == 0,
+        Stage::Asked => percept.waited.is_multiple_of(4),
         Stage::Done => false,
     };
     for (mut camera, _, _) in &mut camera {
@@ -409,6 +419,16 @@ fn picture_image(size: UVec2) -> Image {
     image
 }
 
+/// What of the patient decides what is seen.
+type SeeingParts<'a> = (
+    &'a GazeController,
+    &'a Pupil,
+    &'a Lens,
+    &'a Eyelids,
+    &'a SharpnessField,
+    Option<&'a Glaucoma>,
+);
+
 /// The frame of the view: what the passes are to do, if anything.
 #[expect(
     clippy::too_many_arguments,
@@ -421,17 +441,7 @@ pub fn perceive(
     options: Res<ViewOptions>,
     readiness: Res<Readiness>,
     mut percept: ResMut<Percept>,
-    patient: Query<
-        (
-            &GazeController,
-            &Pupil,
-            &Lens,
-            &Eyelids,
-            &SharpnessField,
-            Option<&Glaucoma>,
-        ),
-        With<PatientMarker>,
-    >,
+    patient: Query<SeeingParts, With<PatientMarker>>,
     mut commands: Commands,
 ) {
     let Ok((gaze, pupil, lens, lids, field, glaucoma)) = patient.single() else {

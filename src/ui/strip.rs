@@ -1,11 +1,15 @@
 //! Gaze, pupil, lens and lid over the last seconds.
 
 use super::Controlled;
+use crate::motion::trace::TraceRow;
 use bevy_egui::egui::{Color32, Ui};
-use egui_plot::{Legend, Line, Plot, PlotPoints};
+use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
 
 /// Seconds shown.
 const SPAN_S: f64 = 10.0;
+
+/// Name, colour and value of a curve.
+type Series = (&'static str, Color32, fn(&TraceRow) -> f64);
 
 /// Draws the strip.
 pub fn draw(ui: &mut Ui, controlled: &Controlled) {
@@ -13,7 +17,7 @@ pub fn draw(ui: &mut Ui, controlled: &Controlled) {
         return;
     };
     let now = controlled.clock.time_s;
-    let series: [(&str, Color32, fn(&crate::motion::trace::TraceRow) -> f64); 5] = [
+    let series: [Series; 5] = [
         ("azimuth °", Color32::from_rgb(110, 170, 255), |row| {
             row.gaze_azimuth_deg
         }),
@@ -31,7 +35,11 @@ pub fn draw(ui: &mut Ui, controlled: &Controlled) {
         }),
     ];
     Plot::new("strip")
-        .legend(Legend::default().follow_insertion_order(true))
+        .legend(
+            Legend::default()
+                .follow_insertion_order(true)
+                .position(Corner::LeftTop),
+        )
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
