@@ -9,7 +9,7 @@ use crate::stage::{
 };
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::anatomy::{PatientFile, PupilSetting};
+use ocularium::anatomy::{Laterality, PatientFile, PupilSetting};
 use ocularium::app::SessionCommand;
 use ocularium::appearance::EyeOrbit;
 use ocularium::lab::headless::{Headless, Which};
@@ -372,4 +372,31 @@ fn check_lit(name: &str, panel: &str, picture: &RgbaImage) {
         deviation > 6.0,
         "{name}: the {panel} is uniform, with a deviation of {deviation}"
     );
+}
+
+/// Skin must surround a left eye as it does a right one: its mesh is mirrored, and so is its winding.
+#[test]
+fn a_left_eye_lies_in_skin_like_a_right_one() {
+    let _turn = alone();
+    for eye in [Laterality::OD, Laterality::OS] {
+        let patient = PatientFile {
+            eye,
+            ..patient("healthy-blue")
+        };
+        let headless = open(
+            session(patient, 3),
+            UVec2::splat(128),
+            UVec2::splat(16),
+            [true, false],
+        );
+        let drawn = picture(&headless, Which::Eye);
+        for (x, y) in [(30, 100), (98, 100), (20, 40), (108, 40)] {
+            let pixel = drawn.get_pixel(x, y);
+            // The backdrop is grey; skin is bright and redder than blue.
+            assert!(
+                pixel[0] > 90 && pixel[0] > pixel[2] + 15,
+                "{eye:?} at {x}, {y}: {pixel:?}"
+            );
+        }
+    }
 }

@@ -199,8 +199,6 @@ pub fn build_eye(
     let skin_mesh = meshes.add(empty_mesh());
     let lash_mesh = meshes.add(empty_mesh());
     let meniscus_mesh = meshes.add(empty_mesh());
-    // A left eye is the mirror image of the right one.
-    let mirror = Transform::from_scale(Vec3::new(side(eye.laterality), 1.0, 1.0));
     let studio = Studio::default();
     let albedo = skin_albedo(lids.skin_tone);
     commands.spawn((
@@ -215,7 +213,6 @@ pub fn build_eye(
             },
             skin_map: images.add(skin_image(iris.seed)),
         })),
-        mirror,
         NoFrustumCulling,
         layer.clone(),
     ));
@@ -230,7 +227,6 @@ pub fn build_eye(
         EyePart,
         Mesh3d(lash_mesh.clone()),
         MeshMaterial3d(hair_material.clone()),
-        mirror,
         NoFrustumCulling,
         layer.clone(),
     ));
@@ -243,16 +239,14 @@ pub fn build_eye(
                 options: Vec4::new(1.0, 0.0, 0.0, 0.0),
             },
         })),
-        mirror,
         NoFrustumCulling,
         layer,
     ));
     if let Some(region) = &parts.region {
         commands.spawn((
             EyePart,
-            Mesh3d(meshes.add(brow_mesh(region, &shape, iris.seed))),
+            Mesh3d(meshes.add(brow_mesh(region, &shape, iris.seed, side(eye.laterality)))),
             MeshMaterial3d(hair_material),
-            mirror,
             NoFrustumCulling,
             RenderLayers::layer(EYE_LAYER),
         ));
@@ -333,6 +327,7 @@ fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
             seed: fold(sclera.seed),
             age_years: eye.age_years as f32,
             redness: sclera.redness as f32,
+            nasal_sign: -side(eye.laterality),
             ..ScleraMapSettings::default()
         },
         if fine { 1024 } else { 512 },
@@ -523,6 +518,7 @@ pub fn move_lids(
             tissue.collect(),
             || rest.collect(),
             region.indices(),
+            mirror,
         );
     }
     lashes.pose(&parts.posed, &mut parts.hair);
@@ -532,7 +528,13 @@ pub fn move_lids(
         .and_then(|handle| meshes.get_mut(handle))
     {
         vertices += parts.hair.positions.len();
-        fill_hair(&mut mesh, &parts.hair, lashes.parameter(), lashes.indices());
+        fill_hair(
+            &mut mesh,
+            &parts.hair,
+            lashes.parameter(),
+            lashes.indices(),
+            mirror,
+        );
     }
     if let Some(mut mesh) = parts
         .meniscus_mesh
@@ -548,6 +550,7 @@ pub fn move_lids(
             vec![[0.0; 4]; count],
             || vec![[0.0, 0.0, 0.0, 1.0]; count],
             region.meniscus_indices(),
+            mirror,
         );
     }
     ledger.lid_poses(1);
@@ -562,7 +565,9 @@ pub fn move_lids(
     }
 }
 
-/// Puts a pose into a mesh; what does not move (`rest`, indices) only the first time.
+/// Puts a pose into a mesh; what does not move (`rest`, indices) only the first time. The region
+/// is a right eye's; `mirror` = −1 makes it a left one's.
+#[expect(clippy::too_many_arguments, reason = "one argument a part of the mesh")]
 fn fill_mesh(
     mesh: &mut Mesh,
     positions: &[[f32; 3]],
@@ -570,19 +575,33 @@ fn fill_mesh(
     tissue: Vec<[f32; 4]>,
     rest: impl FnOnce() -> Vec<[f32; 4]>,
     indices: &[u32],
+    mirror: f32,
 ) {
     let first_time = mesh.count_vertices() != positions.len();
-    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions.to_vec());
-    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals.to_vec());
+    let turned = |vectors: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        vectors
+            .iter()
+            .map(|v| [mirror * v[0], v[1], v[2]])
+            .collect()
+    };
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, turned(positions));
+    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, turned(normals));
     mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, tissue);
     if first_time {
         mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, rest());
-        mesh.insert_indices(Indices::U32(indices.to_vec()));
+        let mut indices = indices.to_vec();
+        if mirror < 0.0 {
+            // A mirror image winds the other way.
+            for triangle in indices.chunks_exact_mut(3) {
+                triangle.swap(1, 2);
+            }
+        }
+        mesh.insert_indices(Indices::U32(indices));
     }
 }
 
 /// Puts posed hairs into a mesh: the weights hold each vertex' direction and place along the hair.
-fn fill_hair(mesh: &mut Mesh, hair: &HairMesh, parameter: &[f32], indices: &[u32]) {
+fn fill_hair(mesh: &mut Mesh, hair: &HairMesh, parameter: &[f32], indices: &[u32], mirror: f32) {
     let count = hair.positions.len();
     let at = |index: usize| Vec3::from(hair.positions[index.min(count - 1)]);
     let along = (0..count).map(|index| {
@@ -593,15 +612,28 @@ fn fill_hair(mesh: &mut Mesh, hair: &HairMesh, parameter: &[f32], indices: &[u32
             (index - SIDES, index)
         };
         let direction = (at(to) - at(from)).normalize_or(Vec3::NEG_Z);
-        [direction.x, direction.y, direction.z, parameter[index]]
+        [
+            mirror * direction.x,
+            direction.y,
+            direction.z,
+            parameter[index],
+        ]
     });
     let along = along.collect();
     let rest = || vec![[0.0, 0.0, 0.0, 1.0]; count];
-    fill_mesh(mesh, &hair.positions, &hair.normals, along, rest, indices);
+    fill_mesh(
+        mesh,
+        &hair.positions,
+        &hair.normals,
+        along,
+        rest,
+        indices,
+        mirror,
+    );
 }
 
 /// The brow rides on skin that hardly moves, so it is posed once, with the lids open.
-fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64) -> Mesh {
+fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64, mirror: f32) -> Mesh {
     let brow = Brow::new(region, 700, seed);
     let mut posed = PosedRegion::default();
     let radius = |direction: Vec3| shape.radius_along(direction.as_dvec3()) as f32;
@@ -610,7 +642,7 @@ fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64) -> Mesh {
     brow.pose(&posed, &mut hair);
     let mut mesh = empty_mesh();
     if !hair.positions.is_empty() {
-        fill_hair(&mut mesh, &hair, brow.parameter(), brow.indices());
+        fill_hair(&mut mesh, &hair, brow.parameter(), brow.indices(), mirror);
     }
     mesh
 }

@@ -128,8 +128,25 @@ fn malformed(name: &str, reason: impl Into<String>) -> SceneError {
 }
 
 fn load(bytes: &[u8], name: &str, base: Option<&Path>) -> Result<SceneModel, SceneError> {
-    let gltf::Gltf { document, blob } =
-        gltf::Gltf::from_slice(bytes).map_err(|error| malformed(name, one_clause(&error)))?;
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)
+        .map_err(|error| malformed(name, one_clause(&error)))?;
+    let json = document.into_json();
+    // The library's validation looks accessors up before it knows that they exist.
+    let known = json.accessors.len();
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let named =
+        primitives.flat_map(|primitive| primitive.attributes.values().chain(&primitive.indices));
+    if let Some(missing) = named
+        .map(|index| index.value())
+        .find(|&index| index >= known)
+    {
+        return Err(malformed(
+            name,
+            format!("a mesh names accessor {missing}, of which there are {known}"),
+        ));
+    }
+    let document =
+        gltf::Document::from_json(json).map_err(|error| malformed(name, one_clause(&error)))?;
     let buffers = gltf::import_buffers(&document, base, blob)
         .map_err(|error| malformed(name, one_clause(&error)))?;
     let source = Source {
