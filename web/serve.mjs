@@ -12,22 +12,30 @@ const TYPES = {
 
 export const DIST = fileURLToPath(new URL("./dist", import.meta.url));
 
+/** The file that an address means, or null where it means none of the folder's. */
+function fileOf(address, folder, base) {
+  try {
+    const path = decodeURIComponent(new URL(address, "http://localhost").pathname);
+    const file = normalize(join(folder, path.slice(base.length) || "index.html"));
+    return path.startsWith(base) && file.startsWith(folder + sep) && !file.includes("\0") ? file : null;
+  } catch {
+    return null;
+  }
+}
+
 /**
  * Serves the files of `folder` under the path `base` (`/`, `/some/where/`), brotli where the browser
  * takes it. Port 0 means any free one. Resolves to the server and the page's address.
  */
 export function serve(folder, { port = 0, base = "/" } = {}) {
   const server = createServer(async (request, response) => {
-    const { pathname } = new URL(request.url, "http://localhost");
     const answer = (status, headers, body) => {
       response.writeHead(status, { "Cache-Control": "no-cache", ...headers });
       response.end(request.method === "HEAD" ? undefined : body);
     };
     if (!["GET", "HEAD"].includes(request.method)) return answer(405, {}, "Only GET is served here.\n");
-    if (!pathname.startsWith(base)) return answer(404, {}, "Not found.\n");
-    const wanted = decodeURI(pathname.slice(base.length)) || "index.html";
-    const file = normalize(join(folder, wanted));
-    if (!file.startsWith(folder + sep)) return answer(404, {}, "Not found.\n");
+    const file = fileOf(request.url, folder, base);
+    if (!file) return answer(404, {}, "Not found.\n");
     const headers = { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" };
     try {
       if (/\bbr\b/.test(request.headers["accept-encoding"] ?? "")) {

@@ -20,7 +20,7 @@ struct Skin {
 @group(#{MATERIAL_BIND_GROUP}) @binding(1) var skin_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var skin_sampler: sampler;
 
-const TILE_MM: f32 = 24.0;
+const TILE_MM: f32 = 16.0;
 
 fn sheen(n: vec3<f32>, v: vec3<f32>, l: vec3<f32>, roughness: f32, lamp: f32) -> f32 {
     let h = normalize(l + v);

@@ -286,6 +286,7 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
         options: ViewOptions {
             marker: arguments.marker,
             threshold: arguments.threshold,
+            ..ViewOptions::default()
         },
         out: arguments.out.clone(),
     };

@@ -1,7 +1,7 @@
 //! The app in a browser: what the page's link asks for, and what the page is told.
 
 use super::{Session, SimulationClock, windowed};
-use crate::anatomy::{load_patient, preset};
+use crate::anatomy::{PRESETS, load_patient, preset};
 use crate::motion::Motion;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::ui::UiState;
@@ -16,8 +16,9 @@ pub fn run() {
         .and_then(|window| window.location().hash().ok())
         .unwrap_or_default();
     match session(&fragment) {
-        Ok(session) => {
+        Ok((session, message)) => {
             let mut app = windowed::windowed_app(session);
+            app.world_mut().resource_mut::<UiState>().message = message;
             app.add_systems(Last, tell_page);
             app.run();
         }
@@ -25,7 +26,8 @@ pub fn run() {
     }
 }
 
-fn session(fragment: &str) -> Result<Session, String> {
+/// The session of a link, and what the user should know about what it asked for in vain.
+fn session(fragment: &str) -> Result<(Session, Option<String>), String> {
     let value = |name: &str| {
         fragment
             .trim_start_matches('#')
@@ -34,23 +36,43 @@ fn session(fragment: &str) -> Result<Session, String> {
             .find(|(key, _)| *key == name)
             .map(|(_, value)| value.to_owned())
     };
-    let name = value("patient").unwrap_or_else(|| "healthy-brown".into());
-    let name = preset(&name).map_or("healthy-brown", |preset| preset.name);
+    let mut refused = Vec::new();
+    let wanted = value("patient").unwrap_or_else(|| "healthy-brown".into());
+    let name = preset(&wanted).map_or_else(
+        || {
+            let known: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
+            refused.push(format!(
+                "The link names no known patient ({wanted:?}); there are {}.",
+                known.join(", ")
+            ));
+            "healthy-brown"
+        },
+        |preset| preset.name,
+    );
     let patient = load_patient(name).map_err(|error| error.to_string())?;
-    let wanted = value("scene").unwrap_or_default();
-    let scene = BuiltIn::ALL
+    let wanted = value("scene").unwrap_or_else(|| BuiltIn::Room.name().into());
+    let known = BuiltIn::ALL
         .into_iter()
-        .find(|scene| scene.name() == wanted)
-        .unwrap_or(BuiltIn::Room);
+        .find(|scene| scene.name() == wanted);
+    let scene = known.unwrap_or_else(|| {
+        let known: Vec<_> = BuiltIn::ALL.iter().map(|scene| scene.name()).collect();
+        refused.push(format!(
+            "The link names no known scene ({wanted:?}); there are {}.",
+            known.join(", ")
+        ));
+        BuiltIn::Room
+    });
     let model = scene.build().map_err(|error| error.to_string())?;
-    let seed = value("seed")
-        .and_then(|seed| seed.parse().ok())
-        .unwrap_or(1);
-    Ok(Session::new(
-        patient,
-        LoadedScene::Model(Box::new(model)),
-        seed,
-    ))
+    let seed = value("seed").map_or(1, |seed| {
+        seed.parse().unwrap_or_else(|_| {
+            refused.push(format!(
+                "The link's seed {seed:?} is not a whole number from 0."
+            ));
+            1
+        })
+    });
+    let session = Session::new(patient, LoadedScene::Model(Box::new(model)), seed);
+    Ok((session, (!refused.is_empty()).then(|| refused.join(" "))))
 }
 
 fn tell(name: &str, value: &JsValue) {
@@ -91,6 +113,7 @@ fn tell_page(
     let state = &motion.state;
     let message = serde_json::json!({
         "time_s": clock.time_s,
+        "paused": clock.paused,
         "gaze_azimuth_deg": state.gaze_azimuth_rad.to_degrees(),
         "gaze_elevation_deg": state.gaze_elevation_rad.to_degrees(),
         "pupil_mm": state.pupil_mm,

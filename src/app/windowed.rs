@@ -58,6 +58,8 @@ pub fn windowed_app(session: Session) -> App {
             shown: [true; 2],
         },
     );
+    #[cfg(target_arch = "wasm32")]
+    app.insert_resource(bevy::light::DirectionalLightShadowMap { size: 1024 });
     app.insert_resource(ClearColor(Color::linear_rgb(0.003, 0.003, 0.0035)))
         .add_plugins(UiPlugin)
         .add_systems(Startup, |mut commands: Commands| {

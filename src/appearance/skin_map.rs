@@ -7,21 +7,21 @@
 use super::noise::{fbm, gradient_noise, worley};
 
 /// Texels along a side.
-pub const SIDE: usize = 512;
+pub const SIDE: usize = 256;
 /// What a side spans, mm.
-pub const TILE_MM: f32 = 24.0;
+pub const TILE_MM: f32 = 16.0;
 
 /// Height of the skin, mm, at a place of the tile in texels.
 fn height_mm(x: f32, y: f32, seed: u32) -> f32 {
     let s = 1.0 / SIDE as f32;
     let (u, v) = (x * s, y * s);
     // Polygons between the primary lines, 0.9 mm wide and flattened along the lid.
-    let plates = worley(u * 26.0, v * 38.0, [26, 38], seed);
+    let plates = worley(u * 17.0, v * 25.0, [17, 25], seed);
     let lines = (plates.second - plates.nearest).clamp(0.0, 0.30) / 0.30;
-    let fine = gradient_noise(u * 96.0, v * 128.0, [96, 128], seed ^ 0x51);
-    let soft = gradient_noise(u * 14.0, v * 20.0, [14, 20], seed ^ 0x52);
+    let fine = gradient_noise(u * 64.0, v * 86.0, [64, 86], seed ^ 0x51);
+    let soft = gradient_noise(u * 9.0, v * 13.0, [9, 13], seed ^ 0x52);
     // Pores: small pits scattered over the plates.
-    let pores = worley(u * 30.0, v * 30.0, [30, 30], seed ^ 0x53);
+    let pores = worley(u * 20.0, v * 20.0, [20, 20], seed ^ 0x53);
     let pit = if pores.id < 0.45 {
         (1.0 - pores.nearest / 0.13).max(0.0)
     } else {
@@ -44,8 +44,8 @@ pub fn skin_tile(seed: u32) -> Vec<[f32; 4]> {
             [
                 (at(x + 1, y) - at(x + SIDE - 1, y)) * per_mm,
                 (at(x, y + 1) - at(x, y + SIDE - 1)) * per_mm,
-                fbm(u * 5.0, v * 5.0, [5, 5], 4, seed ^ 0x54),
-                fbm(u * 40.0, v * 40.0, [40, 40], 2, seed ^ 0x55),
+                fbm(u * 4.0, v * 4.0, [4, 4], 4, seed ^ 0x54),
+                fbm(u * 27.0, v * 27.0, [27, 27], 2, seed ^ 0x55),
             ]
         })
         .collect()

@@ -7,7 +7,8 @@ use bevy::math::UVec2;
 use bevy::prelude::{Component, Resource};
 use bevy::render::extract_component::ExtractComponent;
 use bevy::render::extract_resource::ExtractResource;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Marks the camera that draws the scene from the patient's eye.
 #[derive(Component, Clone, Copy, Debug, ExtractComponent)]
@@ -87,18 +88,38 @@ pub struct CaptureResult {
     pub occupied: u32,
 }
 
+#[derive(Default)]
+struct Returned {
+    result: Mutex<Option<CaptureResult>>,
+    recorded: AtomicU64,
+}
+
 /// Carries finished captures from the render world; cloning shares it.
 #[derive(Resource, Clone, Default)]
-pub struct PerceptReturn(Arc<Mutex<Option<CaptureResult>>>);
+pub struct PerceptReturn(Arc<Returned>);
 
 impl PerceptReturn {
     /// Leaves a result; an older one that nobody took is replaced.
     pub fn give(&self, result: CaptureResult) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+        *self.lock() = Some(result);
     }
 
     /// Takes the result, if there is one.
     pub fn take(&self) -> Option<CaptureResult> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.lock().take()
+    }
+
+    /// Notes that a capture has been recorded: the scene need not be drawn for it again.
+    pub fn note_recorded(&self, serial: u64) {
+        self.0.recorded.store(serial, Ordering::Release);
+    }
+
+    /// The last capture that has been recorded.
+    pub fn recorded(&self) -> u64 {
+        self.0.recorded.load(Ordering::Acquire)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<CaptureResult>> {
+        self.0.result.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -319,6 +319,7 @@ type Bound<'a> = (u32, BindingResource<'a>);
 fn capture_scene(
     view: ViewQuery<(&ViewTarget, &ViewDepthTexture, &SceneCamera)>,
     frame: Option<Res<PerceptFrame>>,
+    returned: Res<PerceptReturn>,
     mut gpu: ResMut<PerceptGpu>,
     mut readback: ResMut<Readback>,
     pipelines: Res<Pipelines>,
@@ -357,6 +358,7 @@ fn capture_scene(
         Pass::CaptureScene,
         &source,
     ) {
+        returned.note_recorded(request.serial);
         ledger.view_captures(1);
         ledger.feature_passes(1);
     }
@@ -517,6 +519,7 @@ fn make_room(
 )]
 fn draw_view(
     frame: Option<Res<PerceptFrame>>,
+    returned: Res<PerceptReturn>,
     mut gpu: ResMut<PerceptGpu>,
     mut readback: ResMut<Readback>,
     images: Res<RenderAssets<GpuImage>>,
@@ -556,6 +559,7 @@ fn draw_view(
             Pass::CapturePhoto,
             &source,
         ) {
+            returned.note_recorded(request.serial);
             ledger.view_captures(1);
             ledger.feature_passes(1);
         }

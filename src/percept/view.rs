@@ -25,8 +25,6 @@ use std::sync::Arc;
 
 /// Near plane of the scene camera, m: a page held before the eye is still drawn.
 const NEAR_M: f32 = 0.02;
-/// Scene texels a view pixel along each axis: the picture is drawn once, so it may be drawn well.
-const SUPERSAMPLING: u32 = 2;
 /// Largest side of the scene's picture that every device takes.
 const LARGEST_TEXTURE: u32 = 8192;
 /// Below this opening of the lids nothing new is seen.
@@ -44,6 +42,9 @@ pub struct ViewOptions {
     pub marker: bool,
     /// FAST threshold for candidates, 0 to 255.
     pub threshold: u8,
+    /// Scene texels a view pixel along each axis, 1 to 4. The picture of a view is drawn once, so
+    /// it may be drawn well; a software rasteriser makes even that once a wait.
+    pub supersampling: u32,
 }
 
 impl Default for ViewOptions {
@@ -51,6 +52,7 @@ impl Default for ViewOptions {
         Self {
             marker: false,
             threshold: 20,
+            supersampling: 2,
         }
     }
 }
@@ -75,6 +77,7 @@ pub struct Percept {
     size: UVec2,
     scene_version: u64,
     restarts: u64,
+    scale: u32,
     forget_scene: bool,
     waited: u32,
     forget: bool,
@@ -281,6 +284,9 @@ fn scene_camera(model: &SceneModel) -> impl Bundle {
         },
         Msaa::Off,
         Tonemapping::None,
+        // One tap of four texels: a browser may run on a software rasteriser, and cannot say so.
+        #[cfg(target_arch = "wasm32")]
+        bevy::light::ShadowFilteringMethod::Hardware2x2,
         Transform::from_translation(eye)
             .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up)),
         RenderLayers::layer(SCENE_LAYER),
@@ -320,6 +326,8 @@ pub fn drive_capture(
     panels: Res<Panels>,
     session: Res<Session>,
     readiness: Res<Readiness>,
+    options: Res<ViewOptions>,
+    returned: Res<PerceptReturn>,
     mut clock: ResMut<SimulationClock>,
     mut candidates: ResMut<Candidates>,
     mut percept: ResMut<Percept>,
@@ -341,14 +349,15 @@ pub fn drive_capture(
         }
         return;
     }
-    if percept.size != size {
+    let scale = supersampling(size, &options);
+    if percept.size != size || percept.scale != scale {
         percept.size = size;
+        percept.scale = scale;
         percept.stage = Stage::Wanted;
         percept.waited = 0;
         readiness.restart();
         match &*session.scene {
             LoadedScene::Model(_) => {
-                let scale = supersampling(size);
                 let picture = images.add(picture_image(size * scale));
                 let half = percept.half_field(size);
                 for (_, mut projection, mut target) in &mut camera {
@@ -379,8 +388,8 @@ pub fn drive_capture(
     }
     let drawing = match percept.stage {
         Stage::Wanted => percept.waited <= 2,
-        // A capture whose pipelines were late is tried again, not drawn in vain every frame.
-        Stage::Asked => percept.waited.is_multiple_of(4),
+        // Until it is recorded: its pipelines may be late. The answer takes longer.
+        Stage::Asked => returned.recorded() < percept.serial,
         Stage::Done => false,
     };
     for (mut camera, _, _) in &mut camera {
@@ -404,12 +413,10 @@ fn idle_candidates(seed: u64) -> Vec<Candidate> {
         .collect()
 }
 
-fn supersampling(size: UVec2) -> u32 {
-    if size.max_element() * SUPERSAMPLING <= LARGEST_TEXTURE {
-        SUPERSAMPLING
-    } else {
-        1
-    }
+/// What was asked for, as far as the largest texture allows.
+fn supersampling(size: UVec2, options: &ViewOptions) -> u32 {
+    let most = LARGEST_TEXTURE / size.max_element().max(1);
+    options.supersampling.clamp(1, most.max(1))
 }
 
 fn picture_image(size: UVec2) -> Image {
@@ -555,7 +562,11 @@ fn static_uniform(percept: &Percept, size: UVec2, options: &ViewOptions) -> Perc
         near_m: NEAR_M,
         eye_m: [0.0; 3],
         size: size.to_array(),
-        supersampling: if photo { 1 } else { supersampling(size) },
+        supersampling: if photo {
+            1
+        } else {
+            supersampling(size, options)
+        },
         fast_threshold: u32::from(options.threshold),
         pixels_per_radian: pixels,
         voxel_angle_rad: default_voxel_angle_rad(pixels),

@@ -173,6 +173,7 @@ fn choose_quality(
     clock: Res<SimulationClock>,
     adapter: Option<Res<bevy::render::renderer::RenderAdapterInfo>>,
     mut quality: ResMut<crate::appearance::EyeQuality>,
+    mut options: ResMut<ViewOptions>,
     mut fast_frames: Local<u32>,
     mut decided: Local<bool>,
 ) {
@@ -189,10 +190,12 @@ fn choose_quality(
     });
     if hardware {
         *decided = true;
-        quality.msaa = Msaa::Sample4;
         return;
     }
     quality.set_if_neq(crate::appearance::EyeQuality { msaa: Msaa::Off });
+    if options.supersampling != 1 {
+        options.supersampling = 1;
+    }
     if clock.ready && !clock.paused {
         *fast_frames = if time.delta_secs() < 0.024 {
             *fast_frames + 1
@@ -202,6 +205,7 @@ fn choose_quality(
         if *fast_frames > 90 {
             *decided = true;
             quality.msaa = Msaa::Sample4;
+            options.supersampling = ViewOptions::default().supersampling;
         }
     }
 }
