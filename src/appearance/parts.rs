@@ -328,7 +328,6 @@ fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
             age_years: eye.age_years as f32,
             redness: sclera.redness as f32,
             nasal_sign: -side(eye.laterality),
-            ..ScleraMapSettings::default()
         },
         if fine { 1024 } else { 512 },
     );
@@ -567,7 +566,6 @@ pub fn move_lids(
 
 /// Puts a pose into a mesh; what does not move (`rest`, indices) only the first time. The region
 /// is a right eye's; `mirror` = −1 makes it a left one's.
-#[expect(clippy::too_many_arguments, reason = "one argument a part of the mesh")]
 fn fill_mesh(
     mesh: &mut Mesh,
     positions: &[[f32; 3]],

@@ -379,7 +379,7 @@ pub fn drive_capture(
         }
     }
     // The camera draws twice: once so that its pipelines are asked for, once for the capture.
-    if percept.stage == Stage::Wanted && readiness.quiet_frames() >= 4 {
+    if percept.stage == Stage::Wanted && readiness.quiet_frames() >= 3 {
         percept.stage = Stage::Asked;
         percept.serial += 1;
         percept.waited = 0;

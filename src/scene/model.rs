@@ -5,6 +5,7 @@
 //! lumens; one white matt surface (albedo 1) under illuminance `E` has luminance `E / π`.
 
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// Everything a renderer needs to show a scene from one eye.
 #[derive(Debug, Clone, Default)]
@@ -401,12 +402,18 @@ pub enum SceneError {
 
 /// One sRGB byte as linear light, 0–1 (IEC 61966-2-1).
 pub fn srgb_to_linear(value: u8) -> f32 {
-    let encoded = f32::from(value) / 255.0;
-    if encoded <= 0.040_45 {
-        encoded / 12.92
-    } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
-    }
+    // There are only 256 answers, and scenes ask for millions.
+    static ANSWERS: LazyLock<[f32; 256]> = LazyLock::new(|| {
+        std::array::from_fn(|value| {
+            let encoded = value as f32 / 255.0;
+            if encoded <= 0.040_45 {
+                encoded / 12.92
+            } else {
+                ((encoded + 0.055) / 1.055).powf(2.4)
+            }
+        })
+    });
+    ANSWERS[usize::from(value)]
 }
 
 /// Linear light as an sRGB byte, clamped to 0–1 (IEC 61966-2-1).
