@@ -23,11 +23,13 @@ pub mod lid_profile;
 pub mod lids;
 pub mod light_table;
 pub mod materials;
+mod mesh_fill;
 pub mod noise;
 pub mod parts;
 pub mod sclera_map;
 pub mod skin_map;
 pub mod subdivide;
+mod tissue_maps;
 
 pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality};
 pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, Studio};

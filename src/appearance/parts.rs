@@ -1,30 +1,29 @@
 //! The parts of the eye as entities: built when the patient changes, moved when the pose does.
 
-use super::brow::Brow;
 use super::eye_camera::{EYE_LAYER, EyeCamera, camera_bundle};
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::globe_mesh::globe_meshes;
-use super::hair::{HairMesh, RINGS, SIDES};
-use super::images::{map_image, mip_chain};
-use super::iris_map::{IrisMap, IrisMapSettings};
+use super::hair::HairMesh;
+use super::images::map_image;
 use super::lashes::Lashes;
 use super::light_table::{LAMPS, LightTableSettings, SIDE};
 use super::materials::{
-    GlobeMaterial, GlobePart, GlobeUniform, HairMaterial, HairUniform, LID_HALF_SPAN_MM,
-    LID_SAMPLES, LidHeights, MeniscusMaterial, MeniscusUniform, SkinMaterial, SkinUniform, Studio,
+    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
+    MeniscusUniform, SkinMaterial, SkinUniform, Studio,
 };
-use super::sclera_map::{ScleraMap, ScleraMapSettings};
+use super::mesh_fill::{brow_mesh, empty_mesh, fill_hair, fill_mesh, lid_heights};
+use super::tissue_maps::{
+    iris_image, light_settings, reflectance_image, sclera_image, skin_albedo, skin_image,
+    static_uniform,
+};
 use crate::anatomy::{Cornea, Eye, Eyelids, GazeController, Iris, Laterality, Pupil, Sclera};
 use crate::app::Panels;
 use crate::ledger::WorkLedger;
 use crate::optics::globe::GlobeShape;
 use crate::readiness::Readiness;
-use crate::tissue::iris_reflectance::{IrisPigment, IrisReflectanceTable};
-use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::system::SystemParam;
-use bevy::math::{DVec2, DVec3};
-use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::math::DVec3;
 use bevy::prelude::*;
 
 /// Everything about the eye that is on screen, and a version that counts its changes.
@@ -57,19 +56,6 @@ pub fn globe_rotation(gaze: &GazeController) -> Quat {
     Quat::from_rotation_y(-gaze.azimuth_rad as f32)
         * Quat::from_rotation_x(gaze.elevation_rad as f32)
         * Quat::from_rotation_z(-gaze.torsion_rad as f32)
-}
-
-/// Albedo (linear sRGB) of skin from very light (0) to very dark (1).
-fn skin_albedo(tone: f64) -> Vec3 {
-    let light = Vec3::new(0.72, 0.47, 0.36);
-    let middle = Vec3::new(0.42, 0.225, 0.135);
-    let dark = Vec3::new(0.085, 0.042, 0.026);
-    let tone = tone.clamp(0.0, 1.0) as f32;
-    if tone < 0.5 {
-        light.lerp(middle, tone * 2.0)
-    } else {
-        middle.lerp(dark, tone * 2.0 - 1.0)
-    }
 }
 
 type NewPatient = Or<(
@@ -258,148 +244,10 @@ pub fn build_eye(
 }
 
 /// +1 for the right eye, −1 for the left one, whose region is mirrored.
-fn side(laterality: Laterality) -> f32 {
+pub(super) fn side(laterality: Laterality) -> f32 {
     match laterality {
         Laterality::OD => 1.0,
         Laterality::OS => -1.0,
-    }
-}
-
-fn iris_image(iris: &Iris, fine: bool) -> Image {
-    let map = IrisMap::new(
-        &iris_settings(iris),
-        if fine { 2048 } else { 1024 },
-        if fine { 512 } else { 256 },
-    );
-    map_image(&map.levels(), true)
-}
-
-/// A map's 32-bit seed from a patient's 64-bit one.
-fn fold(seed: u64) -> u32 {
-    (seed ^ (seed >> 32)) as u32
-}
-
-/// The border layer covers the stroma of a dark iris and leaves that of a light one bare.
-fn iris_settings(iris: &Iris) -> IrisMapSettings {
-    let (light, dark) = (
-        IrisPigment::BLUE.border_layer_melanin_fraction,
-        IrisPigment::BROWN.border_layer_melanin_fraction,
-    );
-    let share = (iris.border_layer_melanin_fraction - light) / (dark - light);
-    let share = share.clamp(0.0, 1.0) as f32;
-    // A little pigment gathers about the collarette first: hazel and green eyes.
-    let ring = 4.0 * share * (1.0 - share);
-    IrisMapSettings {
-        seed: fold(iris.seed),
-        border_layer_cover: 0.15 + 0.6 * share,
-        central_heterochromia: 0.3 + 0.5 * ring,
-        crypt_density: 0.5 - 0.15 * share,
-        furrow_count: if share > 0.7 { 5 } else { 4 },
-        ..IrisMapSettings::default()
-    }
-}
-
-fn skin_image(seed: u64) -> Image {
-    let side = super::skin_map::SIDE as u32;
-    let tile = super::skin_map::skin_tile(fold(seed));
-    let mut image = map_image(&mip_chain((side, side, tile)), true);
-    if let bevy::image::ImageSampler::Descriptor(sampler) = &mut image.sampler {
-        sampler.address_mode_v = bevy::image::ImageAddressMode::Repeat;
-    }
-    image
-}
-
-/// The studio's lamps as the light table wants them; their directions are set when the eye turns.
-fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
-    LightTableSettings {
-        surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
-        index: cornea.aqueous_index,
-        iris_z: iris.depth_mm,
-        root_mm: iris.root_radius_mm,
-        limbus_mm: cornea.limbus_radius_mm,
-        lamps: [DVec3::NEG_Z; LAMPS],
-    }
-}
-
-fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
-    let map = ScleraMap::new(
-        &ScleraMapSettings {
-            seed: fold(sclera.seed),
-            age_years: eye.age_years as f32,
-            redness: sclera.redness as f32,
-            nasal_sign: -side(eye.laterality),
-        },
-        if fine { 1024 } else { 512 },
-    );
-    map_image(&map.levels(), false)
-}
-
-fn reflectance_image(iris: &Iris) -> Image {
-    let table = IrisReflectanceTable::new(
-        &IrisPigment {
-            stroma_melanin_fraction: iris.stroma_melanin_fraction,
-            border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
-            eumelanin_ratio: iris.eumelanin_ratio,
-        },
-        64,
-        32,
-    );
-    let texels = table
-        .rgb()
-        .iter()
-        .map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0])
-        .collect();
-    map_image(&mip_chain((64, 32, texels))[..1], false)
-}
-
-fn empty_mesh() -> Mesh {
-    Mesh::new(
-        PrimitiveTopology::TriangleList,
-        RenderAssetUsages::default(),
-    )
-    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0f32; 3]; 3])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, -1.0]; 3])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32, 0.0, 0.0, 1.0]; 3])
-    .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; 3])
-    .with_inserted_indices(Indices::U32(vec![0, 1, 2]))
-}
-
-fn static_uniform(eye: &Eye, cornea: &Cornea, iris: &Iris, shape: &GlobeShape) -> GlobeUniform {
-    GlobeUniform {
-        studio: Studio::default(),
-        lids: LidHeights::default(),
-        head_from_eye: Mat4::IDENTITY,
-        cornea: Vec4::new(
-            cornea.anterior_radius_mm as f32,
-            cornea.anterior_p as f32,
-            cornea.posterior_radius_mm as f32,
-            cornea.posterior_p as f32,
-        ),
-        cornea_inside: Vec4::new(
-            cornea.thickness_mm as f32,
-            cornea.index as f32,
-            cornea.aqueous_index as f32,
-            shape.apex_distance_mm() as f32,
-        ),
-        iris: Vec4::new(
-            iris.depth_mm as f32,
-            iris.root_radius_mm as f32,
-            2.0,
-            cornea.limbus_radius_mm as f32,
-        ),
-        pupil: Vec4::new(
-            0.0,
-            0.0,
-            eye.scleral_radius_mm as f32,
-            cornea.lipid_thickness_nm as f32,
-        ),
-        options: Vec4::new(
-            // The old lens scatters: 0 at 40 years, 1 at 90.
-            ((eye.age_years - 40.0) / 50.0).clamp(0.0, 1.0) as f32,
-            0.5,
-            side(eye.laterality),
-            1.0,
-        ),
     }
 }
 
@@ -564,125 +412,9 @@ pub fn move_lids(
     }
 }
 
-/// Puts a pose into a mesh; what does not move (`rest`, indices) only the first time. The region
-/// is a right eye's; `mirror` = −1 makes it a left one's.
-fn fill_mesh(
-    mesh: &mut Mesh,
-    positions: &[[f32; 3]],
-    normals: &[[f32; 3]],
-    tissue: Vec<[f32; 4]>,
-    rest: impl FnOnce() -> Vec<[f32; 4]>,
-    indices: &[u32],
-    mirror: f32,
-) {
-    let first_time = mesh.count_vertices() != positions.len();
-    let turned = |vectors: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        vectors
-            .iter()
-            .map(|v| [mirror * v[0], v[1], v[2]])
-            .collect()
-    };
-    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, turned(positions));
-    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, turned(normals));
-    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, tissue);
-    if first_time {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, rest());
-        let mut indices = indices.to_vec();
-        if mirror < 0.0 {
-            // A mirror image winds the other way.
-            for triangle in indices.chunks_exact_mut(3) {
-                triangle.swap(1, 2);
-            }
-        }
-        mesh.insert_indices(Indices::U32(indices));
-    }
-}
-
-/// Puts posed hairs into a mesh: the weights hold each vertex' direction and place along the hair.
-fn fill_hair(mesh: &mut Mesh, hair: &HairMesh, parameter: &[f32], indices: &[u32], mirror: f32) {
-    let count = hair.positions.len();
-    let at = |index: usize| Vec3::from(hair.positions[index.min(count - 1)]);
-    let along = (0..count).map(|index| {
-        let ring = index / SIDES % RINGS;
-        let (from, to) = if ring + 1 < RINGS {
-            (index, index + SIDES)
-        } else {
-            (index - SIDES, index)
-        };
-        let direction = (at(to) - at(from)).normalize_or(Vec3::NEG_Z);
-        [
-            mirror * direction.x,
-            direction.y,
-            direction.z,
-            parameter[index],
-        ]
-    });
-    let along = along.collect();
-    let rest = || vec![[0.0, 0.0, 0.0, 1.0]; count];
-    fill_mesh(
-        mesh,
-        &hair.positions,
-        &hair.normals,
-        along,
-        rest,
-        indices,
-        mirror,
-    );
-}
-
-/// The brow rides on skin that hardly moves, so it is posed once, with the lids open.
-fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64, mirror: f32) -> Mesh {
-    let brow = Brow::new(region, 700, seed);
-    let mut posed = PosedRegion::default();
-    let radius = |direction: Vec3| shape.radius_along(direction.as_dvec3()) as f32;
-    region.pose(&LidPose::default(), &radius, &mut posed);
-    let mut hair = HairMesh::default();
-    brow.pose(&posed, &mut hair);
-    let mut mesh = empty_mesh();
-    if !hair.positions.is_empty() {
-        fill_hair(&mut mesh, &hair, brow.parameter(), brow.indices(), mirror);
-    }
-    mesh
-}
-
-/// Heights of the margins at fixed x, for the shader's lid shadow.
-fn lid_heights(upper: &[Vec3], lower: &[Vec3], mirror: f32) -> LidHeights {
-    let sample = |margin: &[Vec3]| {
-        let mut heights = [Vec4::ZERO; LID_SAMPLES / 4];
-        for i in 0..LID_SAMPLES {
-            let across = i as f32 / (LID_SAMPLES - 1) as f32 * 2.0 - 1.0;
-            heights[i / 4][i % 4] = height_at(margin, mirror * across * LID_HALF_SPAN_MM);
-        }
-        heights
-    };
-    LidHeights {
-        upper: sample(upper),
-        lower: sample(lower),
-    }
-}
-
-/// Height of a polyline at x, its ends extended flat; x may run either way.
-fn height_at(margin: &[Vec3], x: f32) -> f32 {
-    let mut nearest = (f32::INFINITY, 0.0);
-    for pair in margin.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        let span = b.x - a.x;
-        let s = if span.abs() > 1e-6 {
-            ((x - a.x) / span).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let at = a.lerp(b, s);
-        let off = (at.x - x).abs();
-        if off < nearest.0 {
-            nearest = (off, at.y);
-        }
-    }
-    nearest.1
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::mesh_fill::height_at;
     use super::*;
 
     #[test]

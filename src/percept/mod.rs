@@ -19,6 +19,7 @@ pub mod gpu_data;
 pub mod passes;
 pub mod pipelines;
 pub mod readback;
+mod resources;
 pub mod sharpness_field;
 pub mod view;
 pub mod visual_field;

@@ -6,11 +6,12 @@
 
 use super::frame::{CaptureSource, PerceptFrame, PerceptReturn, SceneCamera};
 use super::gpu_data::{
-    CANDIDATE_CAPACITY, FEATURE_COUNTERS, FORGET, PerceptUniform, TABLE_COUNTERS, TILE, WORKGROUP,
-    mip_levels, pixel_groups, slot_groups, table_slots,
+    CANDIDATE_CAPACITY, FEATURE_COUNTERS, FORGET, PerceptUniform, TILE, WORKGROUP, mip_levels,
+    pixel_groups, slot_groups,
 };
 use super::pipelines::{Pass, Pipelines};
 use super::readback::{Readback, Staging};
+use super::resources::{PerceptGpu, STORAGE, View, buffer, make_room, table_is_new};
 use crate::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
@@ -21,10 +22,9 @@ use bevy::render::render_resource::BindingResource::{
     self, Sampler as BindSampler, TextureView as BindView,
 };
 use bevy::render::render_resource::{
-    AddressMode, Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassDescriptor,
-    Extent3d, FilterMode, LoadOp, MipmapFilterMode, Operations, PipelineCache,
-    RenderPassColorAttachment, RenderPassDescriptor, Sampler, SamplerDescriptor, StoreOp, Texture,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    AddressMode, BufferUsages, CommandEncoder, ComputePassDescriptor, Extent3d, FilterMode, LoadOp,
+    MipmapFilterMode, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
+    SamplerDescriptor, StoreOp, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
     TextureViewDescriptor,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderGraph, RenderQueue, ViewQuery};
@@ -48,43 +48,6 @@ const CAPTURE_PASSES: &[Pass] = &[
     Pass::Rebase,
 ];
 
-/// The voxel table: one tag, home and key a slot.
-struct Table {
-    slots: u32,
-    tag: Buffer,
-    home: Buffer,
-    keys: Buffer,
-    counters: Buffer,
-}
-
-/// Everything of one view's size.
-struct View {
-    size: UVec2,
-    colour: Texture,
-    colour_view: TextureView,
-    vergence_view: TextureView,
-    vergence: Texture,
-    luma: Buffer,
-    strengths: Buffer,
-    pixel_slot: Buffer,
-    blur_px: Buffer,
-    tile_near: Buffer,
-}
-
-/// What the passes keep between frames.
-#[derive(Resource, Default)]
-pub struct PerceptGpu {
-    uniform: Option<Buffer>,
-    sampler: Option<Sampler>,
-    feature_counters: Option<Buffer>,
-    candidates: Option<Buffer>,
-    view: Option<View>,
-    table: Option<Table>,
-    field: Option<(u64, TextureView)>,
-    captured: u64,
-    occupied: u32,
-}
-
 /// Adds the passes to the render world.
 pub fn build_render(app: &mut App, returned: PerceptReturn) {
     app.add_plugins(ExtractResourcePlugin::<PerceptFrame>::default());
@@ -105,92 +68,6 @@ pub fn build_render(app: &mut App, returned: PerceptReturn) {
         )
         .add_systems(RenderGraph, draw_view.before(camera_driver))
         .add_systems(Core3d, capture_scene.in_set(Core3dSystems::PostProcess));
-}
-
-fn buffer(device: &RenderDevice, label: &'static str, bytes: u64, usage: BufferUsages) -> Buffer {
-    device.create_buffer(&BufferDescriptor {
-        label: Some(label),
-        size: bytes.max(16),
-        usage,
-        mapped_at_creation: false,
-    })
-}
-
-const STORAGE: BufferUsages = BufferUsages::STORAGE
-    .union(BufferUsages::COPY_SRC)
-    .union(BufferUsages::COPY_DST);
-
-impl Table {
-    fn new(device: &RenderDevice, slots: u32) -> Self {
-        let words = u64::from(slots) * 4;
-        Self {
-            slots,
-            tag: buffer(device, "voxel_tag", words, STORAGE),
-            home: buffer(device, "voxel_home", words, STORAGE),
-            keys: buffer(device, "sharpness_keys", words, STORAGE),
-            counters: buffer(device, "table_counters", TABLE_COUNTERS as u64 * 4, STORAGE),
-        }
-    }
-}
-
-impl View {
-    fn new(device: &RenderDevice, size: UVec2) -> Self {
-        let texture = |label, format, levels, usage| {
-            device.create_texture(&TextureDescriptor {
-                label: Some(label),
-                size: Extent3d {
-                    width: size.x,
-                    height: size.y,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: levels,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format,
-                usage: TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING | usage,
-                view_formats: &[],
-            })
-        };
-        let colour = texture(
-            "view_colour",
-            TextureFormat::Rgba16Float,
-            mip_levels(size.x, size.y),
-            TextureUsages::empty(),
-        );
-        let vergence = texture(
-            "view_vergence",
-            TextureFormat::R32Float,
-            1,
-            TextureUsages::COPY_SRC,
-        );
-        let words = u64::from(size.x) * u64::from(size.y) * 4;
-        let tiles = size.map(|side| side.div_ceil(TILE));
-        Self {
-            size,
-            colour_view: colour.create_view(&TextureViewDescriptor::default()),
-            colour,
-            vergence_view: vergence.create_view(&TextureViewDescriptor::default()),
-            vergence,
-            luma: buffer(device, "luma", words, STORAGE),
-            strengths: buffer(device, "strengths", words, STORAGE),
-            pixel_slot: buffer(device, "pixel_slot", words, STORAGE),
-            blur_px: buffer(device, "blur_px", words, STORAGE),
-            tile_near: buffer(
-                device,
-                "tile_near",
-                u64::from(tiles.x) * u64::from(tiles.y) * 8,
-                STORAGE,
-            ),
-        }
-    }
-
-    fn level(&self, level: u32) -> TextureView {
-        self.colour.create_view(&TextureViewDescriptor {
-            base_mip_level: level,
-            mip_level_count: Some(1),
-            ..TextureViewDescriptor::default()
-        })
-    }
 }
 
 /// Makes the lasting resources, uploads the uniform and, for a patient with glaucoma, the field.
@@ -482,34 +359,6 @@ fn capture(
     gpu.captured = request.serial;
     gpu.view = Some(view);
     true
-}
-
-fn table_is_new(gpu: &PerceptGpu) -> bool {
-    gpu.occupied == 0
-}
-
-/// A table with room for another view; the old one, if its voxels have to move into it.
-fn make_room(
-    gpu: &mut PerceptGpu,
-    device: &RenderDevice,
-    size: UVec2,
-    forget: bool,
-) -> Option<Table> {
-    if forget {
-        gpu.table = None;
-        gpu.occupied = 0;
-    }
-    let slots = table_slots(gpu.occupied, size.x * size.y);
-    match gpu.table.take() {
-        Some(table) if table.slots >= slots => {
-            gpu.table = Some(table);
-            None
-        }
-        old => {
-            gpu.table = Some(Table::new(device, slots));
-            old
-        }
-    }
 }
 
 /// The frame's own work: photograph capture, field update, picture.

@@ -90,6 +90,8 @@ fn spawn_light(light: &SceneLight, commands: &mut Commands) {
                     color: linear(color),
                     illuminance: illuminance_lux,
                     shadow_maps_enabled: shadows,
+                    // A page held at a grazing angle to the sun would shade itself in stripes.
+                    shadow_normal_bias: 3.0,
                     ..default()
                 },
                 CascadeShadowConfigBuilder {

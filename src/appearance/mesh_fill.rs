@@ -1,0 +1,140 @@
+//! Posed lids, hairs and margins into meshes and uniforms.
+
+use super::brow::Brow;
+use super::face_region::{EyeRegion, LidPose, PosedRegion};
+use super::hair::{HairMesh, RINGS, SIDES};
+use super::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidHeights};
+use crate::optics::globe::GlobeShape;
+use bevy::asset::RenderAssetUsages;
+use bevy::math::{Vec3, Vec4};
+use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
+
+pub(super) fn empty_mesh() -> Mesh {
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0f32; 3]; 3])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, -1.0]; 3])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[0.0f32, 0.0, 0.0, 1.0]; 3])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[0.0f32; 4]; 3])
+    .with_inserted_indices(Indices::U32(vec![0, 1, 2]))
+}
+/// Puts a pose into a mesh; what does not move (`rest`, indices) only the first time. The region
+/// is a right eye's; `mirror` = −1 makes it a left one's.
+pub(super) fn fill_mesh(
+    mesh: &mut Mesh,
+    positions: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    tissue: Vec<[f32; 4]>,
+    rest: impl FnOnce() -> Vec<[f32; 4]>,
+    indices: &[u32],
+    mirror: f32,
+) {
+    let first_time = mesh.count_vertices() != positions.len();
+    let turned = |vectors: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        vectors
+            .iter()
+            .map(|v| [mirror * v[0], v[1], v[2]])
+            .collect()
+    };
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, turned(positions));
+    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, turned(normals));
+    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, tissue);
+    if first_time {
+        mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, rest());
+        let mut indices = indices.to_vec();
+        if mirror < 0.0 {
+            // A mirror image winds the other way.
+            for triangle in indices.chunks_exact_mut(3) {
+                triangle.swap(1, 2);
+            }
+        }
+        mesh.insert_indices(Indices::U32(indices));
+    }
+}
+/// Puts posed hairs into a mesh: the weights hold each vertex' direction and place along the hair.
+pub(super) fn fill_hair(
+    mesh: &mut Mesh,
+    hair: &HairMesh,
+    parameter: &[f32],
+    indices: &[u32],
+    mirror: f32,
+) {
+    let count = hair.positions.len();
+    let at = |index: usize| Vec3::from(hair.positions[index.min(count - 1)]);
+    let along = (0..count).map(|index| {
+        let ring = index / SIDES % RINGS;
+        let (from, to) = if ring + 1 < RINGS {
+            (index, index + SIDES)
+        } else {
+            (index - SIDES, index)
+        };
+        let direction = (at(to) - at(from)).normalize_or(Vec3::NEG_Z);
+        [
+            mirror * direction.x,
+            direction.y,
+            direction.z,
+            parameter[index],
+        ]
+    });
+    let along = along.collect();
+    let rest = || vec![[0.0, 0.0, 0.0, 1.0]; count];
+    fill_mesh(
+        mesh,
+        &hair.positions,
+        &hair.normals,
+        along,
+        rest,
+        indices,
+        mirror,
+    );
+}
+/// The brow rides on skin that hardly moves, so it is posed once, with the lids open.
+pub(super) fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64, mirror: f32) -> Mesh {
+    let brow = Brow::new(region, 700, seed);
+    let mut posed = PosedRegion::default();
+    let radius = |direction: Vec3| shape.radius_along(direction.as_dvec3()) as f32;
+    region.pose(&LidPose::default(), &radius, &mut posed);
+    let mut hair = HairMesh::default();
+    brow.pose(&posed, &mut hair);
+    let mut mesh = empty_mesh();
+    if !hair.positions.is_empty() {
+        fill_hair(&mut mesh, &hair, brow.parameter(), brow.indices(), mirror);
+    }
+    mesh
+}
+/// Heights of the margins at fixed x, for the shader's lid shadow.
+pub(super) fn lid_heights(upper: &[Vec3], lower: &[Vec3], mirror: f32) -> LidHeights {
+    let sample = |margin: &[Vec3]| {
+        let mut heights = [Vec4::ZERO; LID_SAMPLES / 4];
+        for i in 0..LID_SAMPLES {
+            let across = i as f32 / (LID_SAMPLES - 1) as f32 * 2.0 - 1.0;
+            heights[i / 4][i % 4] = height_at(margin, mirror * across * LID_HALF_SPAN_MM);
+        }
+        heights
+    };
+    LidHeights {
+        upper: sample(upper),
+        lower: sample(lower),
+    }
+}
+/// Height of a polyline at x, its ends extended flat; x may run either way.
+pub(super) fn height_at(margin: &[Vec3], x: f32) -> f32 {
+    let mut nearest = (f32::INFINITY, 0.0);
+    for pair in margin.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let span = b.x - a.x;
+        let s = if span.abs() > 1e-6 {
+            ((x - a.x) / span).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let at = a.lerp(b, s);
+        let off = (at.x - x).abs();
+        if off < nearest.0 {
+            nearest = (off, at.y);
+        }
+    }
+    nearest.1
+}

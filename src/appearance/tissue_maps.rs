@@ -1,0 +1,149 @@
+//! A patient's tissues as textures, colours and the globe's numbers.
+
+use super::images::{map_image, mip_chain};
+use super::iris_map::{IrisMap, IrisMapSettings};
+use super::light_table::{LAMPS, LightTableSettings};
+use super::materials::{GlobeUniform, LidHeights, Studio};
+use super::parts::side;
+use super::sclera_map::{ScleraMap, ScleraMapSettings};
+use crate::anatomy::{Cornea, Eye, Iris, Sclera};
+use crate::optics::globe::GlobeShape;
+use crate::tissue::iris_reflectance::{IrisPigment, IrisReflectanceTable};
+use bevy::image::Image;
+use bevy::math::{DVec2, DVec3, Mat4, Vec3, Vec4};
+
+/// Albedo (linear sRGB) of skin from very light (0) to very dark (1).
+pub(super) fn skin_albedo(tone: f64) -> Vec3 {
+    let light = Vec3::new(0.72, 0.47, 0.36);
+    let middle = Vec3::new(0.42, 0.225, 0.135);
+    let dark = Vec3::new(0.085, 0.042, 0.026);
+    let tone = tone.clamp(0.0, 1.0) as f32;
+    if tone < 0.5 {
+        light.lerp(middle, tone * 2.0)
+    } else {
+        middle.lerp(dark, tone * 2.0 - 1.0)
+    }
+}
+pub(super) fn iris_image(iris: &Iris, fine: bool) -> Image {
+    let map = IrisMap::new(
+        &iris_settings(iris),
+        if fine { 2048 } else { 1024 },
+        if fine { 512 } else { 256 },
+    );
+    map_image(&map.levels(), true)
+}
+/// A map's 32-bit seed from a patient's 64-bit one.
+fn fold(seed: u64) -> u32 {
+    (seed ^ (seed >> 32)) as u32
+}
+/// The border layer covers the stroma of a dark iris and leaves that of a light one bare.
+fn iris_settings(iris: &Iris) -> IrisMapSettings {
+    let (light, dark) = (
+        IrisPigment::BLUE.border_layer_melanin_fraction,
+        IrisPigment::BROWN.border_layer_melanin_fraction,
+    );
+    let share = (iris.border_layer_melanin_fraction - light) / (dark - light);
+    let share = share.clamp(0.0, 1.0) as f32;
+    // A little pigment gathers about the collarette first: hazel and green eyes.
+    let ring = 4.0 * share * (1.0 - share);
+    IrisMapSettings {
+        seed: fold(iris.seed),
+        border_layer_cover: 0.15 + 0.6 * share,
+        central_heterochromia: 0.3 + 0.5 * ring,
+        crypt_density: 0.5 - 0.15 * share,
+        furrow_count: if share > 0.7 { 5 } else { 4 },
+        ..IrisMapSettings::default()
+    }
+}
+pub(super) fn skin_image(seed: u64) -> Image {
+    let side = super::skin_map::SIDE as u32;
+    let tile = super::skin_map::skin_tile(fold(seed));
+    let mut image = map_image(&mip_chain((side, side, tile)), true);
+    if let bevy::image::ImageSampler::Descriptor(sampler) = &mut image.sampler {
+        sampler.address_mode_v = bevy::image::ImageAddressMode::Repeat;
+    }
+    image
+}
+/// The studio's lamps as the light table wants them; their directions are set when the eye turns.
+pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
+    LightTableSettings {
+        surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
+        index: cornea.aqueous_index,
+        iris_z: iris.depth_mm,
+        root_mm: iris.root_radius_mm,
+        limbus_mm: cornea.limbus_radius_mm,
+        lamps: [DVec3::NEG_Z; LAMPS],
+    }
+}
+pub(super) fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
+    let map = ScleraMap::new(
+        &ScleraMapSettings {
+            seed: fold(sclera.seed),
+            age_years: eye.age_years as f32,
+            redness: sclera.redness as f32,
+            nasal_sign: -side(eye.laterality),
+        },
+        if fine { 1024 } else { 512 },
+    );
+    map_image(&map.levels(), false)
+}
+pub(super) fn reflectance_image(iris: &Iris) -> Image {
+    let table = IrisReflectanceTable::new(
+        &IrisPigment {
+            stroma_melanin_fraction: iris.stroma_melanin_fraction,
+            border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
+            eumelanin_ratio: iris.eumelanin_ratio,
+        },
+        64,
+        32,
+    );
+    let texels = table
+        .rgb()
+        .iter()
+        .map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0])
+        .collect();
+    map_image(&mip_chain((64, 32, texels))[..1], false)
+}
+pub(super) fn static_uniform(
+    eye: &Eye,
+    cornea: &Cornea,
+    iris: &Iris,
+    shape: &GlobeShape,
+) -> GlobeUniform {
+    GlobeUniform {
+        studio: Studio::default(),
+        lids: LidHeights::default(),
+        head_from_eye: Mat4::IDENTITY,
+        cornea: Vec4::new(
+            cornea.anterior_radius_mm as f32,
+            cornea.anterior_p as f32,
+            cornea.posterior_radius_mm as f32,
+            cornea.posterior_p as f32,
+        ),
+        cornea_inside: Vec4::new(
+            cornea.thickness_mm as f32,
+            cornea.index as f32,
+            cornea.aqueous_index as f32,
+            shape.apex_distance_mm() as f32,
+        ),
+        iris: Vec4::new(
+            iris.depth_mm as f32,
+            iris.root_radius_mm as f32,
+            2.0,
+            cornea.limbus_radius_mm as f32,
+        ),
+        pupil: Vec4::new(
+            0.0,
+            0.0,
+            eye.scleral_radius_mm as f32,
+            cornea.lipid_thickness_nm as f32,
+        ),
+        options: Vec4::new(
+            // The old lens scatters: 0 at 40 years, 1 at 90.
+            ((eye.age_years - 40.0) / 50.0).clamp(0.0, 1.0) as f32,
+            0.5,
+            side(eye.laterality),
+            1.0,
+        ),
+    }
+}
