@@ -95,7 +95,10 @@ fn spawn_light(light: &SceneLight, commands: &mut Commands) {
                     ..default()
                 },
                 CascadeShadowConfigBuilder {
-                    num_cascades: 1,
+                    // What is held near gets a map of its own; a browser may run on a software
+                    // rasteriser, where every map is a wait.
+                    num_cascades: if cfg!(target_arch = "wasm32") { 1 } else { 2 },
+                    first_cascade_far_bound: 2.0,
                     maximum_distance: 12.0,
                     ..default()
                 }
