@@ -523,7 +523,9 @@ pub fn perceive(
         percept.shown = None;
     }
     let first = percept.shown.is_none();
-    let seeing = lids.aperture > SEEING_APERTURE && !gaze.in_saccade;
+    // A new view is looked at once all the same, or its voxels that an older view left unseen would
+    // stand between those that it saw.
+    let seeing = lids.aperture > SEEING_APERTURE && (!gaze.in_saccade || first);
     let changed = percept.shown.as_ref() != Some(&uniform);
     let frame = PerceptFrame {
         visible,

@@ -13,6 +13,7 @@ use crate::appearance::EyeOrbit;
 use crate::ledger::{Work, WorkLedger};
 use crate::motion::{Motion, MotionCommand};
 use crate::percept::{Percept, ViewOptions};
+use crate::readiness::Readiness;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::winit::{UpdateMode, WinitSettings};
@@ -211,9 +212,24 @@ fn choose_quality(
 }
 
 /// While nothing moves, the window waits for input instead of drawing.
-fn save_power(clock: Res<SimulationClock>, winit: Option<ResMut<WinitSettings>>) {
+fn save_power(
+    clock: Res<SimulationClock>,
+    panels: Res<Panels>,
+    percept: Res<Percept>,
+    readiness: Res<Readiness>,
+    winit: Option<ResMut<WinitSettings>>,
+    mut calm_frames: Local<u32>,
+) {
     let Some(mut winit) = winit else { return };
-    let mode = if clock.ready && clock.paused && clock.steps == 0 {
+    // A panel that was resized or shown a moment ago still has to be captured and drawn.
+    let busy = !clock.ready
+        || !clock.paused
+        || clock.steps > 0
+        || readiness.quiet_frames() < 5
+        || (panels.view.visible
+            && (!percept.is_captured() || percept.captured().size != panels.view.size));
+    *calm_frames = if busy { 0 } else { *calm_frames + 1 };
+    let mode = if *calm_frames > 10 {
         UpdateMode::reactive_low_power(Duration::from_secs(5))
     } else {
         UpdateMode::Continuous
