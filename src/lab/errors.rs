@@ -6,9 +6,8 @@
 
 use crate::appearance::light_table::{LAMPS, LightTableSettings, look_up};
 use crate::optics::caustic::caustic_irradiance_at;
-use crate::optics::fermat::{
-    DescentSettings, FERMAT_STEPS, fermat_entry, fermat_gradient_descent, fermat_solve,
-};
+use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
+use crate::optics::fermat::{FERMAT_STEPS, fermat_entry, fermat_solve};
 use glam::{DVec2, DVec3};
 use plotters::prelude::*;
 use rand::{RngExt, SeedableRng};

@@ -18,4 +18,5 @@ pub mod fresnel;
 pub mod globe;
 pub mod microfacet;
 pub mod output;
+pub mod refraction_function;
 pub mod snell;

@@ -1,5 +1,7 @@
+use super::descent::{DescentSettings, fermat_gradient_descent};
 use super::*;
 use crate::optics::cornea::{ANTERIOR_CORNEA, AQUEOUS_INDEX};
+use crate::optics::snell::snell_refract;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

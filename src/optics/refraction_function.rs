@@ -1,0 +1,331 @@
+//! The refraction function of François et al. 2007, section 5.1: for a place of the iris and the
+//! direction of a distant light, the point of the cornea through which that light arrives, without
+//! iteration.
+//!
+//! In: an eye, a place of its iris plane (mm), a direction. Out: the entry point `K` (x and y, mm).
+//!
+//! `f(P, ω) → K` (equation 15; the paper, too, stores `K`). The paper interpolates samples linearly
+//! in the radius of `P` and in `ω`; here values stand on a grid in coordinates that undo the map's
+//! steep rim ([`domain`]), as coefficients of quadratic B-splines, so that the error falls with the
+//! cube of the spacing, and each is two 16-bit numbers. [`RefractionFunction::towards`] fixes the
+//! light and leaves a table of two coordinates. [`RefractionFunction::polish`] adds one Newton step.
+//!
+//! **Domain**: `P` and `K` within the limbus, lights of the hemisphere in front of the eye, exit
+//! incidence up to 80°. Its errors there, and beyond, are measured by `ocularium bench` and
+//! `ocularium measure refraction-function`, and stand in `docs/performance.md`.
+//!
+//! Twin: `shaders/lib/refraction_function.wgsl`.
+
+pub mod domain;
+mod spline;
+
+use super::fermat::{FermatSource, fermat_newton};
+use domain::{FRAME, RefractionEye, frame_a, frame_place};
+use glam::{DVec2, DVec3, Vec2};
+use spline::{Order, prefilter, sites, weights};
+
+/// Size of a refraction function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefractionSize {
+    /// Coefficients along the light's obliquity, across its azimuth, and along it; each at least 3.
+    pub grid: [usize; 3],
+    /// Order of the interpolation.
+    pub order: Order,
+}
+
+impl RefractionSize {
+    /// Within 12 KB.
+    pub const SMALL: Self = Self {
+        grid: [18, 9, 17],
+        order: Order::Quadratic,
+    };
+    /// Within 300 KB.
+    pub const LARGE: Self = Self {
+        grid: [40, 24, 77],
+        order: Order::Quadratic,
+    };
+}
+
+/// How much denser the grid is at grazing obliquities than along the axis.
+const GRADING: f32 = 1.5;
+/// The grid starts a little outside of the domain, in the rim of grazing light.
+const LOWEST_W: f32 = -0.05;
+/// Nodes that a row of taps may read past the last.
+const PADDING: usize = 2;
+
+/// A precomputed refraction function.
+#[derive(Clone, Debug)]
+pub struct RefractionFunction {
+    eye: RefractionEye,
+    size: RefractionSize,
+    frames: Vec<[f32; FRAME]>,
+    values: Vec<[i16; 2]>,
+    /// Millimetres of a step of the 16-bit values.
+    step_mm: f32,
+    /// The grid's greatest obliquity, as tan(θ/2).
+    greatest: f32,
+}
+
+/// Where a distant light stands, seen along the light's own azimuth.
+#[derive(Clone, Copy, Debug)]
+struct Obliquity {
+    /// Unit azimuth.
+    along: Vec2,
+    /// tan(θ/2), 0 on the axis, 1 at 90°.
+    half_tangent: f32,
+}
+
+impl Obliquity {
+    #[inline]
+    fn of(light: DVec3) -> Self {
+        let across = Vec2::new(light.x as f32, light.y as f32);
+        let squared = across.length_squared();
+        if squared < 1e-12 {
+            return Self {
+                along: Vec2::X,
+                half_tangent: 0.0,
+            };
+        }
+        let sine = squared.sqrt();
+        Self {
+            along: across / sine,
+            half_tangent: (sine / (1.0 - light.z as f32)).min(1.0),
+        }
+    }
+}
+
+impl RefractionFunction {
+    /// Computes the function of an eye; 30 ms for [`RefractionSize::LARGE`]. Grid sizes below 3
+    /// count as 3.
+    pub fn new(eye: RefractionEye, size: RefractionSize) -> Self {
+        let grid = size.grid.map(|count| count.max(3));
+        let size = RefractionSize { grid, ..size };
+        let [nt, nb, nw] = grid;
+        let axes = grid.map(|count| sites(size.order, count));
+        let greatest = eye.greatest_half_tangent();
+        let half_tangents: Vec<f64> = axes[0].iter().map(|&x| greatest * ungrade(x)).collect();
+        let frames: Vec<_> = half_tangents.iter().map(|&t| eye.frame(t)).collect();
+        let mut values = Vec::with_capacity(nt * nb * nw);
+        for (&t, frame) in half_tangents.iter().zip(&frames) {
+            let light = RefractionEye::light(t);
+            let mut sheet: Vec<Vec<Option<DVec2>>> = Vec::with_capacity(nb);
+            for &beta in &axes[1] {
+                let place_of = |x: f64| {
+                    let w = f64::from(LOWEST_W) + x * (1.0 - f64::from(LOWEST_W));
+                    DVec2::new(frame_a(frame, w, beta), beta * frame[0])
+                };
+                let mut column: Vec<Option<DVec2>> = axes[2]
+                    .iter()
+                    .map(|&x| eye.solve(place_of(x), light))
+                    .collect();
+                extend(&mut column, |node, near| {
+                    eye.continued(place_of(axes[2][node]), light, near)
+                });
+                sheet.push(column);
+            }
+            values.extend(complete(&sheet, &axes[2], eye.limbus_mm));
+        }
+        let frame_numbers: Vec<f64> = frames.iter().flatten().copied().collect();
+        let frames = prefilter(size.order, &frame_numbers, [1, nt, FRAME]);
+        let mut numbers: Vec<f64> = values.iter().flat_map(|k| [k.x, k.y]).collect();
+        numbers = prefilter(size.order, &numbers, [1, nt, nb * nw * 2]);
+        numbers = prefilter(size.order, &numbers, [nt, nb, nw * 2]);
+        numbers = prefilter(size.order, &numbers, [nt * nb, nw, 2]);
+        let largest = numbers.iter().fold(1.0_f64, |most, v| most.max(v.abs()));
+        let step = largest / f64::from(i16::MAX);
+        let mut values: Vec<[i16; 2]> = numbers
+            .chunks_exact(2)
+            .map(|pair| [pair[0], pair[1]].map(|v| (v / step).round() as i16))
+            .collect();
+        values.extend([[0; 2]; PADDING]);
+        Self {
+            eye,
+            size,
+            frames: frames
+                .chunks_exact(FRAME)
+                .map(|frame| core::array::from_fn(|i| frame[i] as f32))
+                .collect(),
+            values,
+            step_mm: step as f32,
+            greatest: greatest as f32,
+        }
+    }
+
+    /// The eye that it was made for.
+    pub fn eye(&self) -> &RefractionEye {
+        &self.eye
+    }
+
+    /// The greatest angle (radians) between the axis and a light for which it was made.
+    pub fn greatest_obliquity(&self) -> f64 {
+        2.0 * f64::from(self.greatest).atan()
+    }
+
+    /// Bytes of the tables.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.values[..]) + size_of_val(&self.frames[..])
+    }
+
+    /// The entry point `K` (x, y in mm) of the light from the unit direction `light` (towards the
+    /// light) that reaches `place` (mm) on the iris plane. Finite for all finite arguments; outside
+    /// of the domain it extrapolates.
+    #[inline]
+    pub fn entry(&self, place: DVec2, light: DVec3) -> DVec2 {
+        match self.size.order {
+            Order::Linear => self.look::<2>(place, light),
+            Order::Quadratic => self.look::<3>(place, light),
+        }
+    }
+
+    #[inline]
+    fn look<const N: usize>(&self, place: DVec2, light: DVec3) -> DVec2 {
+        let [nt, nb, nw] = self.size.grid;
+        let Obliquity {
+            along,
+            half_tangent,
+        } = Obliquity::of(light);
+        let place = place.as_vec2();
+        let (a, b) = (place.dot(along), along.perp_dot(place));
+        let (row, by_t) = weights::<N>(grade(half_tangent / self.greatest), nt);
+        let mut frame = [0.0; FRAME];
+        for (weight, row) in by_t.iter().zip(&self.frames[row..row + N]) {
+            for (sum, value) in frame.iter_mut().zip(row) {
+                *sum += weight * value;
+            }
+        }
+        let (w, beta) = frame_place(&frame, a, b.abs());
+        let (column, by_b) = weights::<N>(beta, nb);
+        let (node, by_w) = weights::<N>((w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W)), nw);
+        // Four nodes of both numbers at once: the compiler makes two vectors of four of them.
+        let mut sums = [0.0_f32; 8];
+        for (i, weight_t) in by_t.iter().enumerate() {
+            for (j, weight_b) in by_b.iter().enumerate() {
+                let first = ((row + i) * nb + column + j) * nw + node;
+                let taps: &[[i16; 2]; 4] = self.values[first..first + 4]
+                    .try_into()
+                    .expect("four nodes");
+                let weight = weight_t * weight_b;
+                for (sum, value) in sums.iter_mut().zip(taps.as_flattened()) {
+                    *sum += weight * f32::from(*value);
+                }
+            }
+        }
+        let mut k = Vec2::ZERO;
+        for (m, weight) in by_w.iter().enumerate() {
+            k += *weight * Vec2::new(sums[2 * m], sums[2 * m + 1]);
+        }
+        k *= self.step_mm;
+        let across = if b < 0.0 { -k.y } else { k.y };
+        (k.x * along + across * along.perp()).as_dvec2()
+    }
+
+    /// [`Self::entry`] and one step of Newton's method on Snell's law.
+    #[inline]
+    pub fn polished_entry(&self, place: DVec2, light: DVec3) -> DVec2 {
+        self.polish(self.entry(place, light), place, light)
+    }
+
+    /// One step of Newton's method on Snell's law, from any nearby entry point.
+    #[inline]
+    pub fn polish(&self, entry: DVec2, place: DVec2, light: DVec3) -> DVec2 {
+        let source = FermatSource {
+            direction: light,
+            inverse_distance: 0.0,
+        };
+        let point = place.extend(self.eye.iris_z_mm);
+        fermat_newton(entry, point, &source, self.eye.surface, self.eye.index)
+    }
+}
+
+/// The grid's first coordinate, denser towards 90°.
+#[inline]
+fn grade(half_tangent: f32) -> f32 {
+    half_tangent * (1.0 + GRADING * half_tangent) * (1.0 / (1.0 + GRADING))
+}
+
+/// The inverse of [`grade`].
+fn ungrade(x: f64) -> f64 {
+    let g = f64::from(GRADING);
+    ((1.0 + 4.0 * g * (1.0 + g) * x).sqrt() - 1.0) / (2.0 * g)
+}
+
+/// Fills nodes without a path from their neighbours' by `solve(node, near)`, outwards from those that
+/// have one, until it fails.
+fn extend(column: &mut [Option<DVec2>], solve: impl Fn(usize, DVec2) -> Option<DVec2>) {
+    let Some(first) = column.iter().position(Option::is_some) else {
+        return;
+    };
+    for node in (0..first).rev() {
+        column[node] = column[node + 1].and_then(|near| solve(node, near));
+    }
+    for node in first + 1..column.len() {
+        if column[node].is_none() {
+            column[node] = column[node - 1].and_then(|near| solve(node, near));
+        }
+    }
+}
+
+/// Fills nodes without a path from those that have one, along `w` by the parabola through the
+/// nearest three, then across by the line through the nearest two: cells at the domain's edge need
+/// them.
+fn complete(sheet: &[Vec<Option<DVec2>>], sites: &[f64], limbus_mm: f64) -> Vec<DVec2> {
+    let farthest = 1.5 * limbus_mm;
+    let mut columns: Vec<Option<Vec<DVec2>>> = sheet
+        .iter()
+        .map(|column| {
+            let known: Vec<(f64, DVec2)> = column
+                .iter()
+                .zip(sites)
+                .filter_map(|(value, &site)| value.map(|k| (site, k)))
+                .collect();
+            if known.len() < 3 {
+                return None;
+            }
+            let filled = column.iter().zip(sites).map(|(value, &site)| {
+                value.unwrap_or_else(|| {
+                    let near = if site < known[0].0 {
+                        &known[..3]
+                    } else {
+                        &known[known.len() - 3..]
+                    };
+                    parabola(near, site).clamp_length_max(farthest)
+                })
+            });
+            Some(filled.collect())
+        })
+        .collect();
+    for index in 0..columns.len() {
+        if columns[index].is_some() {
+            continue;
+        }
+        let before = |back: usize| index.checked_sub(back).and_then(|i| columns[i].clone());
+        let filled = match (before(1), before(2)) {
+            (Some(one), Some(two)) => one
+                .iter()
+                .zip(&two)
+                .map(|(one, two)| (2.0 * *one - *two).clamp_length_max(farthest))
+                .collect(),
+            (Some(one), None) => one,
+            _ => vec![DVec2::ZERO; sites.len()],
+        };
+        columns[index] = Some(filled);
+    }
+    columns.into_iter().flatten().flatten().collect()
+}
+
+fn parabola(points: &[(f64, DVec2)], at: f64) -> DVec2 {
+    let mut sum = DVec2::ZERO;
+    for (i, (site, value)) in points.iter().enumerate() {
+        let mut weight = 1.0;
+        for (j, (other, _)) in points.iter().enumerate() {
+            if i != j {
+                weight *= (at - other) / (site - other);
+            }
+        }
+        sum += weight * *value;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests;
