@@ -10,12 +10,14 @@
 //! A refracting surface is `DVec2(apical radius R in mm, shape factor p)`.
 
 pub mod caustic;
+pub mod chromatic;
 pub mod conicoid;
 pub mod cornea;
 pub mod defocus;
 pub mod fermat;
 pub mod fresnel;
 pub mod globe;
+pub mod media;
 pub mod microfacet;
 pub mod output;
 pub mod snell;
