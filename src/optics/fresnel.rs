@@ -1,11 +1,15 @@
-//! Fresnel reflectance of smooth interfaces for unpolarised light, exact, and of the tear film's
-//! lipid layer by Airy's sum over the reflections within a film (Born & Wolf, *Principles of
-//! Optics*, sections 1.5.2 and 7.6.1).
+//! Fresnel reflectance of smooth interfaces for unpolarised light, exact, of the tear film's lipid
+//! layer by Airy's sum over the reflections within a film, and of any number of films on one another
+//! (Born & Wolf, *Principles of Optics*, sections 1.5.2, 7.6.1 and 1.6).
 //!
 //! In: the cosine of the angle of incidence, indices, film thickness and wavelength in nm. Out: the
 //! fraction of light reflected, 0 to 1.
 //!
-//! Twin: `shaders/lib/fresnel.wgsl`.
+//! Twin of the interface and the single film: `shaders/lib/fresnel.wgsl`.
+
+mod stack;
+
+pub use stack::{Film, LightSplit, fresnel_stack, fresnel_stack_over_thick};
 
 use core::f64::consts::TAU;
 use glam::DVec3;

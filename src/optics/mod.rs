@@ -16,6 +16,7 @@ pub mod cornea;
 pub mod defocus;
 pub mod fermat;
 pub mod fresnel;
+pub mod glare;
 pub mod globe;
 pub mod media;
 pub mod microfacet;
