@@ -23,6 +23,8 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("fermat", library!("fermat")),
     ("caustic", library!("caustic")),
     ("defocus", library!("defocus")),
+    ("glare", library!("glare")),
+    ("tear_film", library!("tear_film")),
     ("microfacet", library!("microfacet")),
     ("output", library!("output")),
     ("globe", library!("globe")),

@@ -7,6 +7,7 @@
 //! may be as far off as the rounding of its inputs explains, for the share of inputs given.
 
 use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
+mod eye_light;
 mod light;
 mod percept;
 mod refraction;
@@ -191,6 +192,7 @@ fn no_library_file_goes_without_a_twin() {
     let tests = [
         include_str!("shader_twins/refraction.rs"),
         include_str!("shader_twins/light.rs"),
+        include_str!("shader_twins/eye_light.rs"),
         include_str!("shader_twins/percept.rs"),
     ]
     .concat();
