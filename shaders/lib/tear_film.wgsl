@@ -6,8 +6,8 @@
 const TEAR_FILM_WAVES: vec4f = vec4f(0.028868299, 0.025787750, 0.022939705, 0.020222676);
 
 // Linear sRGB reflectance of a film (the lipid layer, index `film_index`, thickness from 0 to 300 nm)
-// between air and a substrate (the aqueous tear, `substrate_index`); the arguments are those of
-// fresnel_thin_film_rgb.
+// between air and a substrate (the aqueous tear, `substrate_index`), both indices above 1; the
+// arguments are those of fresnel_thin_film_rgb.
 fn tear_film_rgb(
     cos_incidence: f32,
     film_index: f32,
@@ -15,9 +15,8 @@ fn tear_film_rgb(
     film_thickness_nm: f32,
 ) -> vec3f {
     let cos_1 = clamp(cos_incidence, 0.0, 1.0);
-    let sin_squared = (1.0 - cos_1) * (1.0 + cos_1);
-    let cos_2 = sqrt(max(1.0 - sin_squared / (film_index * film_index), 0.0));
-    let cos_3 = sqrt(max(1.0 - sin_squared / (substrate_index * substrate_index), 0.0));
+    let cos_2 = sqrt((film_index - 1.0) * (film_index + 1.0) + cos_1 * cos_1) / film_index;
+    let cos_3 = sqrt((substrate_index - 1.0) * (substrate_index + 1.0) + cos_1 * cos_1) / substrate_index;
     let cos_phase = cos(film_index * film_thickness_nm * cos_2 * TEAR_FILM_WAVES);
 
     let s_12 = (cos_1 - film_index * cos_2) / (cos_1 + film_index * cos_2);

@@ -24,6 +24,7 @@
 //!
 //! Twin: `shaders/lib/defocus.wgsl`.
 
+use super::fresnel::clamp_or;
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::{DMat2, DVec2, DVec3};
 
@@ -31,14 +32,16 @@ use glam::{DMat2, DVec2, DVec3};
 /// 0 is infinity), seen by an eye accommodated to `focus_vergence_d` = 1/P with the spectacle
 /// refraction `refraction_d` (negative: myopia), through a pupil of `pupil_m` metres.
 ///
-/// The factor is 3.438 arcmin per mm of pupil and dioptre.
+/// The factor is 3.438 arcmin per mm of pupil and dioptre. Nothing infinite leaves here, nor from the
+/// ellipses below: pupils are limited to 0 to 1 m and sums of vergences to ±10⁶ D, and what is not a
+/// number counts as 0.
 pub fn defocus_blur_angle(
     pupil_m: f64,
     distance_vergence_d: f64,
     focus_vergence_d: f64,
     refraction_d: f64,
 ) -> f64 {
-    pupil_m * (distance_vergence_d - focus_vergence_d + refraction_d).abs()
+    sane_pupil(pupil_m) * sane_power(distance_vergence_d - focus_vergence_d + refraction_d).abs()
 }
 
 /// Vergence (D) of a distance in metres; infinity is 0. Distances below a millimetre, and what is
@@ -174,13 +177,17 @@ impl BlurEllipse {
 }
 
 /// The error of refraction (D) with which an eye of the given spectacle refraction, accommodated to
-/// `focus_vergence_d`, sees a point at `distance_vergence_d`.
+/// `focus_vergence_d`, sees a point at `distance_vergence_d`; each component within ±10⁶ D.
 pub fn defocus_error(
     distance_vergence_d: f64,
     focus_vergence_d: f64,
     refraction: PowerVector,
 ) -> PowerVector {
-    refraction.plus_sphere(distance_vergence_d - focus_vergence_d)
+    PowerVector {
+        m_d: sane_power(refraction.m_d + (distance_vergence_d - focus_vergence_d)),
+        j0_d: sane_power(refraction.j0_d),
+        j45_d: sane_power(refraction.j45_d),
+    }
 }
 
 /// The blur ellipse of a point at `distance_vergence_d` (D; 0 is infinity), seen by an eye
@@ -188,15 +195,14 @@ pub fn defocus_error(
 /// `pupil_m` metres. Without astigmatism its diameters are [`defocus_blur_angle`].
 ///
 /// First-order optics, as there: exact to rounding for the model, which leaves out the wavefront's
-/// aberrations and diffraction. Finite for finite input; a pupil that is negative or not a number
-/// counts as closed.
+/// aberrations and diffraction.
 pub fn defocus_blur_ellipse(
     pupil_m: f64,
     distance_vergence_d: f64,
     focus_vergence_d: f64,
     refraction: PowerVector,
 ) -> BlurEllipse {
-    let pupil = pupil_m.max(0.0);
+    let pupil = sane_pupil(pupil_m);
     let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction);
     let j = error.astigmatism_d();
     // The eigenvector of M + J lies along the axis of the minus cylinder; that of M − J across it.
@@ -221,7 +227,7 @@ pub fn defocus_blur_covariance(
     focus_vergence_d: f64,
     refraction: PowerVector,
 ) -> DVec3 {
-    let pupil = 0.25 * pupil_m.max(0.0);
+    let pupil = 0.25 * sane_pupil(pupil_m);
     let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction);
     let xx = pupil * (error.m_d + error.j0_d);
     let yy = pupil * (error.m_d - error.j0_d);
@@ -238,8 +244,8 @@ pub fn defocus_blur_ellipse_through(
     refraction: PowerVector,
 ) -> BlurEllipse {
     let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction).dioptric_matrix();
-    let (major, minor) = (pupil.major_m.max(0.0), pupil.minor_m.max(0.0));
-    let (sin, cos) = pupil.orientation_rad.sin_cos();
+    let (major, minor) = (sane_pupil(pupil.major_m), sane_pupil(pupil.minor_m));
+    let (sin, cos) = clamp_or(pupil.orientation_rad, -1e9, 1e9, 0.0).sin_cos();
     // Half-diameters as columns: the ellipse is what the matrix makes of the unit disc.
     let along = error * (DVec2::new(cos, sin) * major);
     let across = error * (DVec2::new(-sin, cos) * minor);
@@ -258,6 +264,14 @@ pub fn defocus_blur_ellipse_through(
             0.0
         },
     }
+}
+
+fn sane_pupil(pupil_m: f64) -> f64 {
+    clamp_or(pupil_m, 0.0, 1.0, 0.0)
+}
+
+fn sane_power(power_d: f64) -> f64 {
+    clamp_or(power_d, -1e6, 1e6, 0.0)
 }
 
 /// A direction without a sense, from 0 up to π.

@@ -40,6 +40,7 @@
 //!
 //! Twin: `shaders/lib/glare.wgsl`.
 
+use super::fresnel::clamp_or;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Youngest and oldest age (years); what lies outside counts as the nearer one.
@@ -287,14 +288,6 @@ fn equation_angle(theta_rad: f64) -> f64 {
 
 fn clamp_angle(theta_rad: f64) -> f64 {
     clamp_or(theta_rad.abs(), 0.0, PI, PI)
-}
-
-fn clamp_or(value: f64, low: f64, high: f64, if_nan: f64) -> f64 {
-    if value.is_nan() {
-        if_nan
-    } else {
-        value.clamp(low, high)
-    }
 }
 
 /// Terms of the sine's series smaller than this are left out: π²⁷/27! = 2e-15 is the first that may

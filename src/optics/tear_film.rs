@@ -27,7 +27,8 @@
 //! Twin of [`tear_film_rgb`]: `shaders/lib/tear_film.wgsl`.
 
 use super::fresnel::{
-    Film, LIPID_INDEX, fresnel_stack, fresnel_stack_over_thick, fresnel_thin_film,
+    Film, GRAZING_COSINE, LIPID_INDEX, clamp_or, cosine_within, fresnel_stack,
+    fresnel_stack_over_thick, fresnel_thin_film,
 };
 use super::media::Medium;
 use crate::tissue::spectrum::{spectrum_from, spectrum_to_linear_srgb};
@@ -51,23 +52,24 @@ const TEAR_FILM_WEIGHTS: DMat4 = DMat4::from_cols_array_2d(&[
 
 /// Linear sRGB reflectance of a film of index `film_index` (the lipid layer) between air and
 /// `substrate_index` (the aqueous tear) in D65 light; the arguments are those of
-/// [`super::fresnel::fresnel_thin_film_rgb`]: the cosine is limited to 0 to 1, indices are at least
-/// 1, the thickness is from 0 to 300 nm for the errors of the module's table. Thicker films keep
-/// their colours a little too long, and stay between −0.2 and 1.2 whatever the thickness.
+/// [`super::fresnel::fresnel_thin_film_rgb`] and limited as there. The errors of the module's table
+/// hold for thicknesses from 0 to 300 nm; thicker films keep their colours a little too long.
+/// Channels may leave 0 to 1, as saturated colours do in sRGB, but not −0.34 to 1.34.
 pub fn tear_film_rgb(
     cos_incidence: f64,
     film_index: f64,
     substrate_index: f64,
     film_thickness_nm: f64,
 ) -> DVec3 {
-    let cos_1 = cos_incidence.clamp(0.0, 1.0);
-    let sin_squared = (1.0 - cos_1) * (1.0 + cos_1);
-    let cos_2 = (1.0 - sin_squared / (film_index * film_index))
-        .max(0.0)
-        .sqrt();
-    let cos_3 = (1.0 - sin_squared / (substrate_index * substrate_index))
-        .max(0.0)
-        .sqrt();
+    let cos_1 = clamp_or(cos_incidence, 0.0, 1.0, 0.0);
+    let film_index = clamp_or(film_index, 1.0, 4.0, 1.0);
+    let substrate_index = clamp_or(substrate_index, 1.0, 4.0, 1.0);
+    let film_thickness_nm = clamp_or(film_thickness_nm, 0.0, 1e9, 0.0);
+    if cos_1 < GRAZING_COSINE {
+        return DVec3::ONE;
+    }
+    let cos_2 = cosine_within(film_index, cos_1);
+    let cos_3 = cosine_within(substrate_index, cos_1);
     let path = 2.0 * TAU * film_index * film_thickness_nm * cos_2;
     let cos_phase = (path / TEAR_FILM_NM).map(f64::cos);
 
@@ -328,10 +330,21 @@ mod tests {
     proptest! {
         #[test]
         fn any_film_is_finite(
-            cos in -0.5..1.5_f64, film in 1.0..2.0_f64, substrate in 1.0..2.0_f64, d in 0.0..1e5_f64,
+            cos in prop::num::f64::ANY, film in prop::num::f64::ANY,
+            substrate in prop::num::f64::ANY, d in prop::num::f64::ANY,
+            legal in (0.0..1.0_f64, 1.0..2.0_f64, 1.0..2.0_f64, 0.0..1e5_f64),
         ) {
-            let rgb = tear_film_rgb(cos, film, substrate, d);
-            prop_assert!(rgb.is_finite() && rgb.min_element() > -0.6 && rgb.max_element() < 1.6);
+            let (c, n, m, t) = legal;
+            for rgb in [
+                tear_film_rgb(cos, film, substrate, d),
+                tear_film_rgb(c, n, m, t),
+                tear_film_rgb(c, film, m, d),
+            ] {
+                prop_assert!(rgb.is_finite() && rgb.min_element() > -0.35 && rgb.max_element() < 1.35);
+            }
+            let whole = TearFilm { lipid_nm: d, aqueous_nm: film };
+            prop_assert!((0.0..=1.0 + 1e-9).contains(&whole.reflectance(cos, substrate)));
+            prop_assert!((0.0..=1.0 + 1e-9).contains(&whole.coherent_reflectance(cos, substrate)));
         }
     }
 }

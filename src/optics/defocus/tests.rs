@@ -252,4 +252,23 @@ proptest! {
         prop_assert!(blur.minor_rad <= blur.major_rad && blur.orientation_rad < PI);
         prop_assert!(blur.equivalent_diameter_rad() <= blur.major_rad);
     }
+
+    #[test]
+    fn nonsense_is_finite(
+        a in prop::num::f64::ANY, b in prop::num::f64::ANY, c in prop::num::f64::ANY,
+        d in prop::num::f64::ANY, e in prop::num::f64::ANY,
+    ) {
+        let v = PowerVector { m_d: c, j0_d: d, j45_d: e };
+        let pupil = EllipticalPupil { major_m: b, minor_m: a, orientation_rad: e };
+        for blur in [
+            defocus_blur_ellipse(a, b, c, v),
+            defocus_blur_ellipse_through(pupil, d, e, v),
+        ] {
+            for part in [blur.major_rad, blur.minor_rad, blur.orientation_rad] {
+                prop_assert!(part.is_finite() && part >= 0.0);
+            }
+        }
+        prop_assert!(defocus_blur_covariance(a, b, c, v).is_finite());
+        prop_assert!(defocus_blur_angle(a, b, c, d).is_finite());
+    }
 }
