@@ -20,7 +20,7 @@ fn glare() {
         exact: &|x| vec![glare::glare_spread(x[0], x[1], x[2])],
         // A dozen roundings; the core falls with the cube of an angle of two more.
         absolute: 0.0,
-        relative: 3e-6,
+        relative: 1e-6,
         steep_share: 0.001,
     });
 }
@@ -45,7 +45,7 @@ fn tear_film() {
                 .to_vec()
         },
         // As for the film at one wavelength, with weights that sum to 1.6 in size.
-        absolute: 3e-6,
+        absolute: 2e-6,
         relative: 0.0,
         steep_share: 0.001,
     });
