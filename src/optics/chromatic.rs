@@ -4,8 +4,8 @@
 //!
 //! The chromatic eye of Thibos, Ye, Zhang & Bradley 1992 (Appl. Opt. 31, 3594), their fit:
 //! `R(λ) = 1.68524 − 0.63346/(λ − 0.21410)`, λ in µm, for an eye that is emmetropic at 589 nm. The
-//! constant alone depends on the wavelength in focus; 1.7312 puts it at 580 nm. It is a mean of observers, whose spread is about ±0.1 D at 400 nm, and holds from 400
-//! to 700 nm; at 380 nm the hyperbola is an extrapolation.
+//! constant alone depends on the wavelength in focus; 1.7312 puts it at 580 nm. It is a mean of
+//! observers, fitted over the visible range; below 400 nm the hyperbola is an extrapolation.
 
 use super::media::{LONGEST_NM, REFERENCE_NM, SHORTEST_NM};
 

@@ -77,9 +77,10 @@ impl Glare {
     }
 
     /// The eye whose straylight parameter at `theta_rad` has the measured decimal logarithm
-    /// `log_straylight`, as an eye with a cataract. It scatters like the published eye of the age
-    /// that fits, also beyond 110 years; the measured value is met exactly when it lies between that
-    /// of a newborn and about 60 times that of a young eye, and the nearer limit holds outside.
+    /// `log_straylight`, as an eye with a cataract; meant for the angles of straylight meters, 3 to
+    /// 30°. It scatters like the published eye of the age that fits, also beyond 110 years. The
+    /// measured value is met exactly within 0.82 to 1.94 (at 7° and pigment 0.5: from a newborn to
+    /// thirteen times the scatter of a young eye), and the nearer limit holds outside.
     pub fn from_straylight(log_straylight: f64, theta_rad: f64, pigment: f64) -> Self {
         let young = Self::with_age_factor(0.0, pigment);
         let older = Self::with_age_factor(1.0, pigment);

@@ -6,10 +6,9 @@
 //! Atchison & Smith 2005 (J. Opt. Soc. Am. A 22, 29), fitted to the measured indices of human eyes;
 //! the levels c₀ are Navarro 2014 (J. Vision 14(13):21), who set them so that at 555 nm the cornea
 //! and the aqueous have the indices of Le Grand's eye, 0.0014 above those of Atchison & Smith. The
-//! tears keep Atchison & Smith's own level of the aqueous, as in Campbell 2010. The water of these
-//! tissues makes the dispersion; levels from different laboratories differ by ±0.002, which is the
-//! error to expect of any index here, while differences between wavelengths are good to about
-//! 0.0003.
+//! tears keep Atchison & Smith's own level of the aqueous, as in Campbell 2010 (J. Opt. Soc. Am. A
+//! 27, 730). That 0.0014 between two careful papers is the error to expect of any level here; the
+//! dispersion is common to both.
 //!
 //! Wavelengths are limited to the visible range of the fits, [`SHORTEST_NM`] to [`LONGEST_NM`].
 
