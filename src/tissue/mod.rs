@@ -9,6 +9,8 @@
 //! in mm⁻¹, lengths in mm.
 
 pub mod iris_reflectance;
+pub mod layers;
 pub mod melanin;
+pub mod phase;
 pub mod slab;
 pub mod spectrum;
