@@ -27,6 +27,8 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("output", library!("output")),
     ("globe", library!("globe")),
     ("slab", library!("slab")),
+    ("phase", library!("phase")),
+    ("layers", library!("layers")),
     ("retinal_blur", library!("retinal_blur")),
     ("fast_strength", library!("fast_strength")),
     ("sharpness_key", library!("sharpness_key")),

@@ -10,6 +10,7 @@ use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
 mod light;
 mod percept;
 mod refraction;
+mod tissue;
 
 use glam::{DVec2, DVec3};
 use ocularium::optics::{fresnel, snell};
@@ -192,6 +193,7 @@ fn no_library_file_goes_without_a_twin() {
         include_str!("shader_twins/refraction.rs"),
         include_str!("shader_twins/light.rs"),
         include_str!("shader_twins/percept.rs"),
+        include_str!("shader_twins/tissue.rs"),
     ]
     .concat();
     for (name, text) in LIBRARY {

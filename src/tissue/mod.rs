@@ -12,5 +12,6 @@ pub mod iris_reflectance;
 pub mod layers;
 pub mod melanin;
 pub mod phase;
+pub mod random_walk;
 pub mod slab;
 pub mod spectrum;

@@ -65,10 +65,13 @@ pub fn phase_mix(cos: f64, rayleigh: f64, isotropic: f64, g: f64) -> f64 {
 /// Cosine of the scattering angle after Rayleigh for the random number `xi`, 0 (back) to 1
 /// (straight on): the inverse of the distribution function, exactly.
 ///
-/// ξ = ½ + (3 cos + cos³)/8 is a depressed cubic with one real root, 2 sinh(asinh(4ξ − 2)/3).
+/// ξ = ½ + (3 cos + cos³)/8 is a depressed cubic with one real root, u − 1/u with
+/// u³ = q + √(q² + 1), q = 4ξ − 2; taken for |q|, where the sum under the root does not cancel.
 pub fn sample_rayleigh(xi: f64) -> f64 {
     let q = 4.0 * share(xi) - 2.0;
-    (2.0 * (q.asinh() / 3.0).sinh()).clamp(-1.0, 1.0)
+    let size = q.abs();
+    let u = (size + (size * size + 1.0).sqrt()).cbrt();
+    (u - 1.0 / u).clamp(0.0, 1.0).copysign(q)
 }
 
 /// 1 − cosine of the scattering angle after Henyey & Greenstein for the random number `xi`, 0
