@@ -30,9 +30,42 @@ pub fn baseline_absorption(wavelength_nm: f64) -> f64 {
 /// Equation 13: absorption (mm⁻¹) of tissue with the volume fraction `melanin_fraction` of melanin,
 /// of which `eumelanin_ratio` is eumelanin; both 0 to 1. (The paper's "σ_pm λ" reads σ_pm(λ).)
 pub fn tissue_absorption(wavelength_nm: f64, melanin_fraction: f64, eumelanin_ratio: f64) -> f64 {
-    let melanin = eumelanin_ratio * eumelanin_absorption(wavelength_nm)
-        + (1.0 - eumelanin_ratio) * pheomelanin_absorption(wavelength_nm, PHEOMELANIN_FRANCOIS);
-    melanin_fraction * melanin + (1.0 - melanin_fraction) * baseline_absorption(wavelength_nm)
+    TissueCoefficients::at(wavelength_nm).absorption(melanin_fraction, eumelanin_ratio)
+}
+
+/// All coefficients of equations 10 to 14 at one wavelength, so that powers are taken once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TissueCoefficients {
+    /// Equation 10 (mm⁻¹).
+    pub eumelanin_absorption: f64,
+    /// Equation 11 (mm⁻¹) with [`PHEOMELANIN_FRANCOIS`].
+    pub pheomelanin_absorption: f64,
+    /// Equation 12 (mm⁻¹).
+    pub baseline_absorption: f64,
+    /// First term of equation 14 (mm⁻¹).
+    pub mie_scattering: f64,
+    /// Second term of equation 14 (mm⁻¹).
+    pub rayleigh_scattering: f64,
+}
+
+impl TissueCoefficients {
+    /// The coefficients at a wavelength in nm.
+    pub fn at(wavelength_nm: f64) -> Self {
+        Self {
+            eumelanin_absorption: eumelanin_absorption(wavelength_nm),
+            pheomelanin_absorption: pheomelanin_absorption(wavelength_nm, PHEOMELANIN_FRANCOIS),
+            baseline_absorption: baseline_absorption(wavelength_nm),
+            mie_scattering: mie_scattering(wavelength_nm),
+            rayleigh_scattering: rayleigh_scattering(wavelength_nm),
+        }
+    }
+
+    /// Equation 13 (mm⁻¹): as [`tissue_absorption`].
+    pub fn absorption(&self, melanin_fraction: f64, eumelanin_ratio: f64) -> f64 {
+        let melanin = eumelanin_ratio * self.eumelanin_absorption
+            + (1.0 - eumelanin_ratio) * self.pheomelanin_absorption;
+        melanin_fraction * melanin + (1.0 - melanin_fraction) * self.baseline_absorption
+    }
 }
 
 /// The Mie term of equation 14 (mm⁻¹): thick bundles of collagen, nearly without colour.

@@ -8,6 +8,8 @@
 //! The coefficients are equations 10 to 14 of François et al. 2007; wavelengths in nm, coefficients
 //! in mm⁻¹, lengths in mm.
 
+#[cfg(not(target_arch = "wasm32"))]
+pub mod colour_difference;
 pub mod iris_reflectance;
 pub mod layers;
 pub mod melanin;
@@ -15,3 +17,4 @@ pub mod phase;
 pub mod random_walk;
 pub mod slab;
 pub mod spectrum;
+pub mod wavelengths;

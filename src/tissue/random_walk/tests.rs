@@ -240,7 +240,11 @@ fn the_same_seed_gives_the_same_numbers() {
 
 #[test]
 fn a_million_collisions_a_second_and_more() {
-    for phase in [PhaseMix::ISOTROPIC, PhaseMix::RAYLEIGH, PhaseMix::henyey_greenstein(0.8)] {
+    for phase in [
+        PhaseMix::ISOTROPIC,
+        PhaseMix::RAYLEIGH,
+        PhaseMix::henyey_greenstein(0.8),
+    ] {
         let stack = [layer(0.99, 5.0, phase)];
         let start = std::time::Instant::now();
         let walk = random_walk(&stack, Illumination::Diffuse, 50_000, 11);
