@@ -146,7 +146,7 @@ pub(super) fn reflectance_of(
 }
 
 /// A path and a density within their ranges; what is not a number counts as 0.
-fn within_range(path_mm: f64, density: f64) -> (f64, f64) {
+pub(super) fn within_range(path_mm: f64, density: f64) -> (f64, f64) {
     let within = |v: f64, high: f64| if v.is_nan() { 0.0 } else { v.clamp(0.0, high) };
     (within(path_mm, 1e3), within(density, 1.0))
 }

@@ -15,6 +15,7 @@ pub mod layers;
 pub mod melanin;
 pub mod phase;
 pub mod random_walk;
+pub mod scattering_orders;
 pub mod slab;
 pub mod spectrum;
 pub mod wavelengths;

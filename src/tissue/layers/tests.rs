@@ -216,6 +216,59 @@ fn the_colours_are_the_stack() {
     assert!((on.y / stack_transmit_once(&layers, cos_in, cos_out, 0.1) - 1.0).abs() < 1e-14);
 }
 
+#[test]
+fn the_cosines_rule_is_gausss() {
+    // Weights sum to 1 and powers of √µ up to 30 integrate exactly.
+    for power in 0..30 {
+        let got = over_cosines(|mu| mu.sqrt().powi(power));
+        assert!(
+            (got - 2.0 / f64::from(power + 2)).abs() < 2e-15,
+            "{power} {got}"
+        );
+    }
+}
+
+/// E₂(x) = ∫₀¹ e^(−x/µ) dµ by a fine midpoint rule.
+fn e2(x: f64) -> f64 {
+    let steps = 3000;
+    let sum: f64 = (0..steps)
+        .map(|i| (-x * f64::from(steps) / (f64::from(i) + 0.5)).exp())
+        .sum();
+    sum / f64::from(steps)
+}
+
+#[test]
+fn diffuse_single_scattering_is_the_integral_of_exponential_integrals() {
+    // σ_s ∫ E₂(τ)² dz: fluence 2 E₂ of diffuse light at depth τ, half of it, E₂/2, escapes.
+    let [border, _, stroma] = iris_like();
+    for layers in [vec![border], vec![border, stroma]] {
+        let (mut depth, mut expected) = (0.0, 0.0);
+        for layer in &layers {
+            let steps = 300;
+            for i in 0..steps {
+                let t = (f64::from(i) + 0.5) / f64::from(steps);
+                let own = layer.optical_depth();
+                expected += layer.scattering * layer.thickness_mm / f64::from(steps)
+                    * e2(depth + t * own).powi(2);
+            }
+            depth += layer.optical_depth();
+        }
+        let got = stack_diffuse_reflectance_once(&layers);
+        // The midpoint sums' own errors.
+        assert!((got / expected - 1.0).abs() < 3e-4, "{got} {expected}");
+    }
+    // A deep layer has ω (1 − ln 2)·2/3, from ∫₀^∞ E₂² dτ (Chandrasekhar's half-space, first order).
+    let deep = Layer {
+        absorption: 40.0,
+        scattering: 60.0,
+        thickness_mm: 10.0,
+        phase: PhaseMix::ISOTROPIC,
+    };
+    let got = stack_diffuse_reflectance_once(&[deep]);
+    let expected = 0.6 * 2.0 / 3.0 * (1.0 - core::f64::consts::LN_2);
+    assert!((got - expected).abs() < 1e-6, "{got} {expected}");
+}
+
 fn anything() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>(),
