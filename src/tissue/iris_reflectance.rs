@@ -29,15 +29,15 @@ pub const IRIS_WAVELENGTHS: usize = 8;
 pub const STROMA_PATH_MAX_MM: f64 = 2.5;
 /// Thickness (mm) of the anterior border layer.
 pub const BORDER_LAYER_MM: f64 = 0.04;
-/// Density of thin fibrils in the stroma relative to the dermis of equation 14. The stroma is a
+/// Density of thin fibrils in the stroma relative to the skin of equation 14. The stroma is a
 /// loose mesh in aqueous humour; this and [`STROMA_MIE_DENSITY`] are calibrated so that
 /// [`IrisPigment::BLUE`], 0.45 mm thick, reflects what photographs of blue irises show, about
 /// (0.17, 0.23, 0.33).
 pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.25;
-/// Density of thick collagen bundles in the stroma relative to the dermis.
+/// Density of thick collagen bundles in the stroma relative to the skin of equation 14.
 pub const STROMA_MIE_DENSITY: f64 = 0.07;
-/// Density of collagen in the anterior border layer, a condensation of the stroma, relative to the
-/// dermis: it gives dark irises the matt brown that they have in place of black.
+/// Density of collagen in the anterior border layer, a condensation of the stroma, relative to that
+/// skin: it gives dark irises the matt brown that they have in place of black.
 pub const BORDER_LAYER_DENSITY: f64 = 0.15;
 
 /// How much melanin an iris holds, where, and of which kind.

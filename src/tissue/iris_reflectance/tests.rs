@@ -73,7 +73,7 @@ fn green_and_hazel_lie_between() {
 #[test]
 fn pheomelanin_needs_the_printed_constant_to_make_green() {
     use crate::tissue::melanin::{
-        PHEOMELANIN_FRANCOIS, PHEOMELANIN_JACQUES, pheomelanin_absorption,
+        PHEOMELANIN_DILUTE, PHEOMELANIN_FRANCOIS, pheomelanin_absorption,
     };
     // Diffuse light crosses the half-dense border layer twice, on average at 60°: what is left
     // of the blue against the red?
@@ -84,9 +84,9 @@ fn pheomelanin_needs_the_printed_constant_to_make_green() {
         through(460.0) / through(610.0)
     };
     // A blue stroma has 1.9 times as much blue as red: the printed constant turns that around,
-    // Jacques' leaves it.
+    // a tenth of it leaves it.
     assert!(1.9 * passes(PHEOMELANIN_FRANCOIS) < 1.0);
-    assert!(1.9 * passes(PHEOMELANIN_JACQUES) > 1.7);
+    assert!(1.9 * passes(PHEOMELANIN_DILUTE) > 1.7);
 }
 
 #[test]
