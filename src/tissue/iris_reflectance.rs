@@ -16,6 +16,8 @@
 //! `d (1/µ_i + 1/µ_o)/2`; the table's first axis is that path in the stroma, 0 to
 //! [`STROMA_PATH_MAX_MM`].
 
+use super::iris_layers::{reduced_border_layer, reduced_stroma};
+use super::many_flux::LayerFlux;
 use super::melanin::TissueCoefficients;
 use super::slab::{TwoFlux, slab_two_flux};
 use super::spectrum::{Spectrum, spectrum_from};
@@ -25,6 +27,8 @@ use std::sync::LazyLock;
 /// Number of wavelengths at which an iris is computed.
 pub const IRIS_WAVELENGTHS: usize = 8;
 
+/// Nodes in each hemisphere of the many-flux colours.
+const NODES: usize = 4;
 /// Longest path (mm) in the table.
 pub const STROMA_PATH_MAX_MM: f64 = 2.5;
 /// Thickness (mm) of the anterior border layer.
@@ -169,6 +173,33 @@ pub fn iris_reflectance(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f
     colour(&reflectance)
 }
 
+/// As [`iris_reflectance`], with eight fluxes in place of two ([`super::many_flux`]): all orders of
+/// scattering within 3e-4, where two-flux is 4 to 8 % too dark.
+pub fn iris_reflectance_many_flux(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f64; 3] {
+    let pigment = pigment.clamped();
+    let (path_mm, density) = within_range(path_mm, density);
+    colour(&AT.1.each_ref().map(|tissue| {
+        many_flux_border_layer(&pigment, density, tissue)
+            .reflectance_over(&many_flux_stroma(&pigment, path_mm, tissue))
+    }))
+}
+
+fn many_flux_border_layer(
+    pigment: &IrisPigment,
+    density: f64,
+    tissue: &TissueCoefficients,
+) -> LayerFlux<NODES> {
+    LayerFlux::new(&reduced_border_layer(pigment, density, tissue))
+}
+
+fn many_flux_stroma(
+    pigment: &IrisPigment,
+    path_mm: f64,
+    tissue: &TissueCoefficients,
+) -> LayerFlux<NODES> {
+    LayerFlux::new(&reduced_stroma(pigment, path_mm, tissue))
+}
+
 /// The same iris's reflectance at all 41 wavelengths of [`super::spectrum`]: the reference, and what
 /// a spectrometer would show. Arguments as in [`iris_reflectance`].
 pub fn iris_reflectance_spectrum(pigment: &IrisPigment, path_mm: f64, density: f64) -> Spectrum {
@@ -190,13 +221,43 @@ pub struct IrisReflectanceTable {
 }
 
 impl IrisReflectanceTable {
-    /// Computes the table; a size of 0 counts as 1.
+    /// Computes the table of [`iris_reflectance`]; a size of 0 counts as 1.
     pub fn new(pigment: &IrisPigment, width: usize, height: usize) -> Self {
+        Self::stacked(
+            pigment,
+            width,
+            height,
+            border_layer,
+            stroma,
+            |above, below| over_black(*above, *below),
+        )
+    }
+
+    /// Computes the table of [`iris_reflectance_many_flux`]; a size of 0 counts as 1.
+    pub fn many_flux(pigment: &IrisPigment, width: usize, height: usize) -> Self {
+        Self::stacked(
+            pigment,
+            width,
+            height,
+            many_flux_border_layer,
+            many_flux_stroma,
+            LayerFlux::reflectance_over,
+        )
+    }
+
+    /// The stroma does not depend on the row nor the border layer on the column: what costs is
+    /// computed once for each column and each row, and a texel only stacks the two.
+    fn stacked<L>(
+        pigment: &IrisPigment,
+        width: usize,
+        height: usize,
+        border_layer: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
+        stroma: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
+        over_black: impl Fn(&L, &L) -> f64,
+    ) -> Self {
         let (width, height) = (width.max(1), height.max(1));
         let pigment = pigment.clamped();
-        // The stroma does not depend on the row nor the border layer on the column: what costs is
-        // computed once for each column and each row, and a texel only stacks the two.
-        let stromas: Vec<[TwoFlux; IRIS_WAVELENGTHS]> = (0..width)
+        let stromas: Vec<[L; IRIS_WAVELENGTHS]> = (0..width)
             .map(|column| {
                 let path = STROMA_PATH_MAX_MM * (column as f64 + 0.5) / width as f64;
                 AT.1.each_ref().map(|tissue| stroma(&pigment, path, tissue))
@@ -208,11 +269,11 @@ impl IrisReflectanceTable {
             let border =
                 AT.1.each_ref()
                     .map(|tissue| border_layer(&pigment, density, tissue));
-            rgb.extend(
-                stromas.iter().map(|stroma| {
-                    colour(&core::array::from_fn(|i| over_black(border[i], stroma[i])))
-                }),
-            );
+            rgb.extend(stromas.iter().map(|stroma| {
+                colour(&core::array::from_fn(|i| {
+                    over_black(&border[i], &stroma[i])
+                }))
+            }));
         }
         Self { rgb, width, height }
     }

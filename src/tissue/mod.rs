@@ -10,8 +10,10 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod colour_difference;
+pub mod iris_layers;
 pub mod iris_reflectance;
 pub mod layers;
+pub mod many_flux;
 pub mod melanin;
 pub mod phase;
 pub mod random_walk;
