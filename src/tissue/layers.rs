@@ -43,12 +43,17 @@ pub struct Layer {
 }
 
 /// `v` within 0 and [`LARGEST`]; what is not a number counts as 0.
-fn clamped(v: f64) -> f64 {
+pub(super) fn clamped(v: f64) -> f64 {
     if v.is_nan() {
         0.0
     } else {
         v.clamp(0.0, LARGEST)
     }
+}
+
+/// [`clamped`] for three colours.
+pub(super) fn clamped_rgb(v: DVec3) -> DVec3 {
+    v.map(clamped)
 }
 
 /// A cosine within [`GRAZING_COS`] and 1, or none where the ray does not cross the layer.
@@ -122,8 +127,10 @@ pub fn layer_segment_scatter(
     light_start: f64,
     light_end: f64,
 ) -> DVec3 {
-    let start = extinction * light_start;
-    let end = extinction * (light_end + length);
+    let (extinction, scattering) = (clamped_rgb(extinction), clamped_rgb(scattering));
+    let length = clamped(length);
+    let start = extinction * clamped(light_start);
+    let end = extinction * (clamped(light_end) + length);
     scattering * length * layer_mean_transmittance(start, end)
 }
 
@@ -141,6 +148,8 @@ pub fn layer_reflect_once(
     let (Some(cos_in), Some(cos_out)) = (crossing(cos_in), crossing(cos_out)) else {
         return DVec3::ZERO;
     };
+    let (above, thickness) = (clamped_rgb(above), clamped(thickness));
+    let (extinction, scattering) = (clamped_rgb(extinction), clamped_rgb(scattering));
     let slant = 1.0 / cos_in + 1.0 / cos_out;
     let mean = layer_mean_transmittance(above * slant, (above + extinction * thickness) * slant);
     scattering * thickness * mean / (cos_in * cos_out)
@@ -161,7 +170,9 @@ pub fn layer_transmit_once(
     let (Some(cos_in), Some(cos_out)) = (crossing(cos_in), crossing(cos_out)) else {
         return DVec3::ZERO;
     };
-    let own = extinction * thickness;
+    let (above, below, thickness) = (clamped_rgb(above), clamped_rgb(below), clamped(thickness));
+    let scattering = clamped_rgb(scattering);
+    let own = clamped_rgb(extinction) * thickness;
     let first = above / cos_in + (own + below) / cos_out;
     let last = (above + own) / cos_in + below / cos_out;
     scattering * thickness * layer_mean_transmittance(first, last) / (cos_in * cos_out)

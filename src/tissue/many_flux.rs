@@ -100,9 +100,7 @@ impl<const N: usize> LayerFlux<N> {
             let (pivot_row, pivot_up) = (matrix[pivot], up[pivot]);
             for row in pivot + 1..N {
                 let factor = matrix[row][pivot] / pivot_row[pivot];
-                for column in pivot..N {
-                    matrix[row][column] -= factor * pivot_row[column];
-                }
+                subtract(&mut matrix[row], factor, &pivot_row);
                 up[row] -= factor * pivot_up;
             }
         }
@@ -262,22 +260,28 @@ fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
         let inverse = 1.0 / pivot_a[pivot];
         for row in pivot + 1..N {
             let factor = a[row][pivot] * inverse;
-            for column in pivot..N {
-                a[row][column] -= factor * pivot_a[column];
-            }
-            for column in 0..N {
-                b[row][column] -= factor * pivot_b[column];
-            }
+            subtract(&mut a[row], factor, &pivot_a);
+            subtract(&mut b[row], factor, &pivot_b);
         }
     }
     for row in (0..N).rev() {
+        for below in row + 1..N {
+            let known = b[below];
+            subtract(&mut b[row], a[row][below], &known);
+        }
         let inverse = 1.0 / a[row][row];
-        for column in 0..N {
-            let known: f64 = (row + 1..N).map(|k| a[row][k] * b[k][column]).sum();
-            b[row][column] = (b[row][column] - known) * inverse;
+        for value in &mut b[row] {
+            *value *= inverse;
         }
     }
     b
+}
+
+/// row − factor · other.
+fn subtract<const N: usize>(row: &mut [f64; N], factor: f64, other: &[f64; N]) {
+    for (value, other) in row.iter_mut().zip(other) {
+        *value -= factor * other;
+    }
 }
 
 #[cfg(test)]

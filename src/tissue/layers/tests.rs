@@ -302,6 +302,17 @@ proptest! {
         ] {
             prop_assert!(value.is_finite() && value >= 0.0, "{value}");
         }
+        let n = |i: usize| DVec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
+        let d = numbers[8];
+        for value in [
+            layer_segment_scatter(n(0), n(3), d, cos_in, cos_out),
+            layer_reflect_once(n(0), n(3), n(6), d, cos_in, cos_out),
+            layer_transmit_once(n(0), n(6), n(3), n(1), d, cos_in, cos_out),
+        ] {
+            prop_assert!(value.is_finite() && value.min_element() >= 0.0, "{value}");
+        }
+        let diffuse = stack_diffuse_reflectance_once(&layers);
+        prop_assert!((0.0..=1.0).contains(&diffuse), "{diffuse}");
         prop_assert!((0.0..=1.0).contains(&stack_transmittance(&layers, cos_in)));
         prop_assert!((0.0..=1.0).contains(&mean_transmittance(numbers[0], numbers[1])));
     }
