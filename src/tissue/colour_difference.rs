@@ -1,7 +1,7 @@
 //! How different two colours look, and how few wavelengths keep an iris's colour.
 //!
-//! In: linear sRGB, or how many irises to draw. Out: CIEDE2000 differences. A difference of 1 is about
-//! what a practised eye can just tell apart.
+//! In: linear sRGB, or how many irises to draw. Out: CIEDE2000 differences. A difference of 1 is
+//! about what a practised eye can just tell apart.
 //!
 //! L*a*b* after CIE 15:2004 with D65's white as the tables give it; the difference itself is the
 //! `palette` crate's, tested here on the pairs of Sharma, Wu & Dalal 2005. Not in the web build,
@@ -24,8 +24,8 @@ const XYZ_FROM_SRGB: [[f64; 3]; 3] = [
     [0.019_333_9, 0.119_192_0, 0.950_304_1],
 ];
 
-/// L*a*b* (CIE 1976, white (1, 1, 1) has L* 100) of linear sRGB. Channels below 0 are allowed; what is
-/// not finite gives numbers that are not finite.
+/// L*a*b* (CIE 1976, white (1, 1, 1) has L* 100) of linear sRGB. Channels below 0 are allowed; what
+/// is not finite gives numbers that are not finite.
 pub fn linear_srgb_to_lab(rgb: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = XYZ_FROM_SRGB.map(|row| {
         let white: f64 = row.iter().sum();
@@ -63,8 +63,8 @@ pub struct WavelengthError {
     pub mean_delta_e: f64,
 }
 
-/// The error of 3 to 14 wavelengths over `irises` irises drawn from `seed`: every legal pigment (more
-/// often little than much), path and density.
+/// The error of 3 to 14 wavelengths over `irises` irises drawn from `seed`: every legal pigment
+/// (more often little than much), path and density.
 pub fn wavelength_errors(irises: u32, seed: u64) -> Vec<WavelengthError> {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let population: Vec<Iris> = (0..irises.max(1)).map(|_| Iris::draw(&mut rng)).collect();
@@ -217,7 +217,8 @@ mod tests {
             let found = errors.iter().find(|e| e.wavelengths == n);
             found.expect("in the list").max_delta_e
         };
-        // Measured with 4,000 irises by an independent program: 0.70, 0.74, 0.20, 0.065, 0.004, 0.002.
+        // Measured with 4,000 irises by an independent program: 0.70, 0.74, 0.20, 0.065, 0.004,
+        // 0.002.
         assert!(at_most(3) > 0.4 && at_most(3) < 0.8);
         assert!(at_most(4) > 0.4 && at_most(4) < 0.8);
         assert!(at_most(5) < 0.25 && at_most(6) < 0.08);

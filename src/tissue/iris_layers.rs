@@ -1,7 +1,7 @@
 //! An iris as a stack of [`Layer`]s over black: anterior border layer and stroma at one wavelength.
 //!
-//! In: pigment, thickness of the stroma, density of the border layer, the tissue's coefficients at a
-//! wavelength. Out: two layers, with reduced isotropic scattering or with the phase functions of
+//! In: pigment, thickness of the stroma, density of the border layer, the tissue's coefficients at
+//! a wavelength. Out: two layers, with reduced isotropic scattering or with the phase functions of
 //! fibrils and bundles.
 
 use super::iris_reflectance::{
@@ -119,7 +119,8 @@ mod tests {
             assert!((less(a) / less(b) - 1.0).abs() < 1e-14);
             assert!(b.scattering > 1.5 * a.scattering);
         }
-        // Equation 14's terms at 480 nm by hand: 14.74 · 480^−0.22 = 3.78987, 2.2e11/480⁴ = 4.14436.
+        // Equation 14's terms at 480 nm by hand: 14.74 · 480^−0.22 = 3.78987, 2.2e11/480⁴ =
+        // 4.14436.
         assert!((reduced[0].scattering - 0.15 * (3.789_87 + 4.144_36)).abs() < 1e-5);
         assert!((reduced[1].scattering - (0.07 * 3.789_87 + 0.25 * 4.144_36)).abs() < 1e-5);
     }

@@ -4,13 +4,13 @@
 //! border layer. Out: diffuse reflectance in linear sRGB, as a function or as a table for a shader.
 //!
 //! Layers from the front: the anterior border layer (0.04 mm), where pigment cells lie dense; the
-//! stroma; the pigment epithelium, which absorbs all that reaches it (François et al. 2007,
-//! section 4). Each layer is a two-flux slab ([`super::slab`]) with the coefficients of equations 10
-//! to 14 at the [`IRIS_WAVELENGTHS`] wavelengths of [`super::wavelengths`]: an iris's spectrum is so
+//! stroma; the pigment epithelium, which absorbs all that reaches it (François et al. 2007, section
+//! 4). Each layer is a two-flux slab ([`super::slab`]) with the coefficients of equations 10 to 14
+//! at the [`IRIS_WAVELENGTHS`] wavelengths of [`super::wavelengths`]: an iris's spectrum is so
 //! smooth that these give the colour of all 41 to a CIEDE2000 difference of 0.004, half of what the
-//! 41 themselves miss of a 1 nm table (0.009). A blue iris has no blue pigment: thin fibrils scatter blue more, the
-//! black epithelium swallows the rest, and what melanin there is takes the blue away again, to
-//! green, hazel and brown.
+//! 41 themselves miss of a 1 nm table (0.009). A blue iris has no blue pigment: thin fibrils
+//! scatter blue more, the black epithelium swallows the rest, and what melanin there is takes the
+//! blue away again, to green, hazel and brown.
 //!
 //! **Path.** A layer of thickness `d` lit at `µ_i` and seen at `µ_o` acts by the mean slant
 //! `d (1/µ_i + 1/µ_o)/2`; the table's first axis is that path in the stroma, 0 to
@@ -174,7 +174,7 @@ pub fn iris_reflectance(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f
 }
 
 /// As [`iris_reflectance`], with eight fluxes in place of two ([`super::many_flux`]): all orders of
-/// scattering within 3e-4, where two-flux is 4 to 8 % too dark.
+/// scattering within 3e-4, where two-flux is 3 to 8 % too dark.
 pub fn iris_reflectance_many_flux(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f64; 3] {
     let pigment = pigment.clamped();
     let (path_mm, density) = within_range(path_mm, density);
@@ -200,8 +200,8 @@ fn many_flux_stroma(
     LayerFlux::new(&reduced_stroma(pigment, path_mm, tissue))
 }
 
-/// The same iris's reflectance at all 41 wavelengths of [`super::spectrum`]: the reference, and what
-/// a spectrometer would show. Arguments as in [`iris_reflectance`].
+/// The same iris's reflectance at all 41 wavelengths of [`super::spectrum`]: the reference, and
+/// what a spectrometer would show. Arguments as in [`iris_reflectance`].
 pub fn iris_reflectance_spectrum(pigment: &IrisPigment, path_mm: f64, density: f64) -> Spectrum {
     let pigment = pigment.clamped();
     let (path_mm, density) = within_range(path_mm, density);

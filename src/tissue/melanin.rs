@@ -2,14 +2,13 @@
 //!
 //! In: a wavelength in nm, volume fractions. Out: coefficients in mm⁻¹.
 //!
-//! **Where they come from.** François copies Donner & Jensen 2006 (A Spectral BSSRDF for Shading Human
-//! Skin) to the digit; these take equations 10 and 12 from Jacques' summary of skin optics (Oregon
-//! Medical Laser Center News, January 1998: 6.6e11 λ^−3.33 and 0.244 + 85.3 e^(−(λ − 154)/66.2), in
-//! cm⁻¹), and fit equation 11 to Sarna & Swartz. Equation 14 is their reduced scattering of the
-//! *epidermis*; they halve it for the dermis.
+//! **Where they come from.** François copies Donner & Jensen 2006 (A Spectral BSSRDF for Shading
+//! Human Skin) to the digit; these take equations 10 and 12 from Jacques' summary of skin optics
+//! (Oregon Medical Laser Center News, January 1998, in cm⁻¹), and fit equation 11 to Sarna & Swartz. Equation 14 is their reduced
+//! scattering of the *epidermis*; they halve it for the dermis.
 //!
-//! **Range.** Wavelengths are clamped to 300…1,100 nm, where equation 12 was measured; what is not a
-//! number counts as 550 nm. Fractions are taken as they come: 0 to 1.
+//! **Range.** Wavelengths are clamped to 350…1,100 nm, where equation 12 was measured; what is not
+//! a number counts as 550 nm. Fractions are taken as they come: 0 to 1.
 
 /// The pheomelanin constant of equation 11 as printed by François and by Donner & Jensen, in
 /// mm⁻¹ nm^4.75.
@@ -29,7 +28,7 @@ fn within_range(wavelength_nm: f64) -> f64 {
     if wavelength_nm.is_nan() {
         550.0
     } else {
-        wavelength_nm.clamp(300.0, 1100.0)
+        wavelength_nm.clamp(350.0, 1100.0)
     }
 }
 
@@ -100,8 +99,8 @@ pub fn rayleigh_scattering(wavelength_nm: f64) -> f64 {
     2.2e11 * within_range(wavelength_nm).powi(-4)
 }
 
-/// Equation 14: reduced scattering σ_s (1 − g) (mm⁻¹) of the epidermis after Donner & Jensen 2006, twice
-/// that of their dermis: used with isotropic scattering.
+/// Equation 14: reduced scattering σ_s (1 − g) (mm⁻¹) of the epidermis after Donner & Jensen 2006,
+/// twice that of their dermis: used with isotropic scattering.
 pub fn skin_scattering(wavelength_nm: f64) -> f64 {
     mie_scattering(wavelength_nm) + rayleigh_scattering(wavelength_nm)
 }

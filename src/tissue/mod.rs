@@ -10,8 +10,10 @@
 //! - [`random_walk`]: the same by random walks, with standard errors and orders of scattering: the
 //!   reference for the others;
 //! - [`spectrum`] and [`wavelengths`]: linear sRGB from 41 or from few reflectances;
-//! - [`iris_layers`], [`iris_reflectance`]: the iris as layers, and its colour as a function or table;
-//! - [`scattering_orders`] and `colour_difference` (not in the web build): how wrong each estimate is.
+//! - [`iris_layers`], [`iris_reflectance`]: the iris as layers, and its colour as a function or
+//!   table;
+//! - [`scattering_orders`] and `colour_difference` (not in the web build): how wrong each estimate
+//!   is.
 //!
 //! Wavelengths in nm, coefficients in mm⁻¹, lengths in mm, phase functions in sr⁻¹.
 

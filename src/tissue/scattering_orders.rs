@@ -1,15 +1,14 @@
 //! How much of an iris's light has been scattered once, and what the estimates miss.
 //!
-//! In: pigment, thickness of the stroma, density of the border layer, number of walks and a seed. Out:
-//! the diffuse reflectance, by wavelength and in linear sRGB, by five methods that see the same two
-//! layers over a black epithelium in diffuse light: single scattering in closed form
+//! In: pigment, thickness of the stroma, density of the border layer, number of walks and a seed.
+//! Out: the diffuse reflectance, by wavelength and in linear sRGB, by five methods that see the
+//! same two layers over a black epithelium in diffuse light: single scattering in closed form
 //! ([`super::layers`]), the two-flux estimate ([`super::slab`]), many fluxes without noise
-//! ([`super::many_flux`]), random walks with any number of scatterings
-//! ([`super::random_walk`]), and the same walks with the real phase
-//! functions in place of reduced isotropic scattering: Rayleigh for the fibrils, Henyey & Greenstein
-//! with
-//! [`super::iris_layers::BUNDLE_MEAN_COSINE`] for the bundles. The last says what the similarity relation
-//! σ_s (1 − g) = σ_s′, on which the others stand, costs.
+//! ([`super::many_flux`]), random walks with any number of scatterings ([`super::random_walk`]),
+//! and the same walks with the real phase functions in place of reduced isotropic scattering:
+//! Rayleigh for the fibrils, Henyey & Greenstein with [`super::iris_layers::BUNDLE_MEAN_COSINE`]
+//! for the bundles. The last says what the similarity relation σ_s (1 − g) = σ_s′, on which the
+//! others stand, costs.
 
 use super::iris_layers::{forward_layers, reduced_layers};
 use super::iris_reflectance::{IRIS_WAVELENGTHS, IrisPigment, reflectance_of, within_range};
@@ -31,9 +30,9 @@ pub struct WavelengthScattering {
     pub single: f64,
     /// Two-flux estimate.
     pub two_flux: f64,
-    /// Any number of scatterings, reduced isotropic, with 16 nodes a hemisphere: error below 1e-5.
+    /// Any number of scatterings, reduced isotropic, with 16 nodes a hemisphere: error below 1e-6.
     pub many_flux: f64,
-    /// The same with the phase functions of fibrils and bundles: error below 1e-4.
+    /// The same with the phase functions of fibrils and bundles: error below 1e-6.
     pub many_flux_forward: f64,
     /// Any number of scatterings, reduced isotropic, by random walks.
     pub all_orders: Estimate,
@@ -67,8 +66,8 @@ fn luminance(rgb: [f64; 3]) -> f64 {
 }
 
 impl IrisScattering {
-    /// Luminance that single scattering misses, as a share of the luminance with all orders (by many
-    /// fluxes), 0 to 1.
+    /// Luminance that single scattering misses, as a share of the luminance with all orders (by
+    /// many fluxes), 0 to 1.
     pub fn missed_by_single_scattering(&self) -> f64 {
         1.0 - self.ratio(self.single)
     }
@@ -79,8 +78,8 @@ impl IrisScattering {
         self.ratio(self.two_flux) - 1.0
     }
 
-    /// Change of the luminance by the real phase functions, as a share of that with reduced isotropic
-    /// scattering.
+    /// Change of the luminance by the real phase functions, as a share of that with reduced
+    /// isotropic scattering.
     pub fn similarity_error(&self) -> f64 {
         self.ratio(self.many_flux_forward) - 1.0
     }
@@ -90,8 +89,8 @@ impl IrisScattering {
     }
 }
 
-/// Compares the methods for one iris: stroma `thickness_mm` thick (0 to 1,000; outside it is clamped),
-/// border layer of relative density 0 to 1, `walks` random walks a wavelength and kind.
+/// Compares the methods for one iris: stroma `thickness_mm` thick (0 to 1,000; outside it is
+/// clamped), border layer of relative density 0 to 1, `walks` random walks a wavelength and kind.
 pub fn iris_scattering(
     pigment: &IrisPigment,
     thickness_mm: f64,
@@ -154,7 +153,8 @@ pub fn iris_scattering(
     }
 }
 
-/// [`iris_scattering`] for the four irises of the app, stroma 0.45 mm thick, border layer half dense.
+/// [`iris_scattering`] for the four irises of the app, stroma 0.45 mm thick, border layer half
+/// dense.
 pub fn iris_scattering_of_presets(walks: u32, seed: u64) -> [(&'static str, IrisScattering); 4] {
     [
         ("blue", IrisPigment::BLUE),

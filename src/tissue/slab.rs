@@ -1,14 +1,14 @@
 //! Light in one homogeneous layer, in closed form.
 //!
-//! In: coefficients (mm⁻¹), thickness or path (mm), cosines to the layer's normal. Out: what passes,
-//! what returns after one scattering, and what returns and passes after any number.
+//! In: coefficients (mm⁻¹), thickness or path (mm), cosines to the layer's normal. Out: what
+//! passes, what returns after one scattering, and what returns and passes after any number.
 //!
 //! [`slab_transmittance`] and [`slab_single_scatter`] have twins in `shaders/lib/slab.wgsl`, one
 //! colour a channel; stacks of layers are in [`super::layers`]. [`slab_two_flux`] is the quick
-//! multiply-scattered estimate: the two-flux equations of Kubelka & Munk with K = 2 σ_a and
-//! S = ¾ σ_s′ (van Gemert & Star 1987, for σ_a ≪ σ_s′), diffuse light in and out. It is within 0.023
-//! of the true albedo up to an optical depth of 4 (see the tests; [`super::many_flux`] is the
-//! truth); single scattering alone misses a third of a pale iris's light.
+//! multiply-scattered estimate: the two-flux equations of Kubelka & Munk with K = 2 σ_a and S = ¾
+//! σ_s′ (van Gemert & Star 1987, for σ_a ≪ σ_s′), diffuse light in and out. It is within 0.023 of
+//! the true albedo up to an optical depth of 4 (see the tests; [`super::many_flux`] is the truth);
+//! single scattering alone misses a third of a pale iris's light.
 //!
 //! Numbers are clamped as in [`super::layers`]: nothing gives a result that is not finite.
 

@@ -66,8 +66,8 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// Weight of each wavelength in the observer's three functions together under D65, D65 (x̄ + ȳ + z̄):
-/// positive, and large where colour is decided.
+/// Weight of each wavelength in the observer's three functions together under D65, D65 (x̄ + ȳ +
+/// z̄): positive, and large where colour is decided.
 pub(super) fn colour_weight() -> Spectrum {
     core::array::from_fn(|i| D65[i] * (OBSERVER_X[i] + OBSERVER_Y[i] + OBSERVER_Z[i]))
 }

@@ -1,18 +1,18 @@
 //! Few wavelengths in place of many: linear sRGB of a smooth spectrum from `N` of its values.
 //!
-//! In: `N`. Out: wavelengths in nm and their weights in red, green and blue; reflectances there give
-//! the colour that [`super::spectrum`] gives from 41.
+//! In: `N`. Out: wavelengths in nm and their weights in red, green and blue; reflectances there
+//! give the colour that [`super::spectrum`] gives from 41.
 //!
-//! **Method.** The wavelengths are the nodes of Gauss's quadrature for the measure D65 (x̄ + ȳ + z̄)
-//! on the 41 samples (Stieltjes' recurrence; a polynomial's roots lie between those of the one
+//! **Method.** The wavelengths are the nodes of Gauss's quadrature for the measure D65 (x̄ + ȳ +
+//! z̄) on the 41 samples (Stieltjes' recurrence; a polynomial's roots lie between those of the one
 //! before). The weights of each channel are the integrals of its own, partly negative, weighting
 //! with the Lagrange polynomials of the nodes. So every spectrum that is a polynomial in the
 //! wavelength up to degree N − 1 comes out right in all three channels (white stays white, grey
 //! grey), and the brightness X + Y + Z up to degree 2N − 1.
 //!
-//! Measured on the spectra of irises (`colour_difference`): largest CIEDE2000 difference
-//! from the 41 samples 0.7 with 3 wavelengths, 0.07 with 6, 0.004 with 8. Spectra with bands (blood, dyes, lamps)
-//! need all 41.
+//! Measured on the spectra of irises (`colour_difference`): largest CIEDE2000 difference from the
+//! 41 samples 0.7 with 3 wavelengths, 0.07 with 6, 0.004 with 8. Spectra with bands (blood, dyes,
+//! lamps) need all 41.
 
 use super::spectrum::{FIRST_NM, SAMPLES, STEP_NM, Spectrum, WEIGHTS, colour_weight};
 
@@ -103,7 +103,8 @@ fn gauss_nodes<const N: usize>(weight: &Spectrum) -> [f64; N] {
         }
         now
     };
-    // The roots of degree k + 1 lie one between each two neighbours of −1, the roots of degree k, 1.
+    // The roots of degree k + 1 lie one between each two neighbours of −1, the roots of degree k,
+    // 1.
     let mut roots = [0.0; N];
     for degree in 1..=N {
         let inner = roots;

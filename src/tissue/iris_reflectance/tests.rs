@@ -153,7 +153,8 @@ fn eight_wavelengths_are_as_good_as_all() {
                 let all = spectrum_to_linear_srgb(&all);
                 let few = iris_reflectance(&pigment, path, density);
                 for channel in 0..3 {
-                    // A thirtieth of an 8-bit step at the dark end of sRGB, where steps are smallest.
+                    // A thirtieth of an 8-bit step at the dark end of sRGB, where steps are
+                    // smallest.
                     let off = (few[channel] - all[channel].clamp(0.0, 1.0)).abs();
                     assert!(off < 1e-5, "{pigment:?} {path} {density}: {off:e}");
                 }

@@ -257,7 +257,8 @@ fn diffuse_single_scattering_is_the_integral_of_exponential_integrals() {
         // The midpoint sums' own errors.
         assert!((got / expected - 1.0).abs() < 3e-4, "{got} {expected}");
     }
-    // A deep layer has ω (1 − ln 2)·2/3, from ∫₀^∞ E₂² dτ (Chandrasekhar's half-space, first order).
+    // A deep layer has ω (1 − ln 2)·2/3, from ∫₀^∞ E₂² dτ (Chandrasekhar's half-space, first
+    // order).
     let deep = Layer {
         absorption: 40.0,
         scattering: 60.0,

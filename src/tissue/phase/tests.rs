@@ -58,7 +58,8 @@ fn every_phase_function_integrates_to_one_with_its_mean_cosine() {
 
 #[test]
 fn values_worked_out_by_hand() {
-    // g = ½: forwards ¾/(4π ⅛) = 6/(4π), sideways ¾/(4π 1.25^1.5), backwards ¾/(4π 27/8) = 2/9/(4π).
+    // g = ½: forwards ¾/(4π ⅛) = 6/(4π), sideways ¾/(4π 1.25^1.5), backwards ¾/(4π 27/8) =
+    // 2/9/(4π).
     let quarter = |v: f64| v * PHASE_ISOTROPIC;
     for (cos, expected) in [
         (1.0, 6.0),

@@ -14,7 +14,8 @@ fn layer(albedo: f64, depth: f64, phase: PhaseMix) -> Layer {
     }
 }
 
-/// Within four standard errors and `extra`: one seed in 16,000 fails by chance, and seeds are fixed.
+/// Within four standard errors and `extra`: one seed in 16,000 fails by chance, and seeds are
+/// fixed.
 fn agrees(estimate: Estimate, expected: f64, extra: f64) {
     let off = (estimate.mean - expected).abs();
     assert!(
@@ -80,7 +81,8 @@ fn without_scattering_it_is_beer_and_lambert() {
 fn van_de_hulsts_slab() {
     // Multiple Light Scattering (1980), table 35: albedo 0.9, g 0.75, depth 2, normal incidence,
     // matched: reflected 0.09739, passed 0.66096. (Adding and doubling with 48 streams, done apart
-    // from this code, gives 0.097395 and 0.660958; the 0.09734 often quoted is a Monte Carlo's own.)
+    // from this code, gives 0.097395 and 0.660958; the 0.09734 often quoted is a Monte Carlo's
+    // own.)
     let slab = [layer(0.9, 2.0, PhaseMix::henyey_greenstein(0.75))];
     let walk = random_walk(&slab, Illumination::Beam(1.0), 400_000, 3);
     println!("{:?} {:?}", walk.reflectance, walk.transmittance);
