@@ -7,9 +7,11 @@
 //! may be as far off as the rounding of its inputs explains, for the share of inputs given.
 
 use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
+mod eye_light;
 mod light;
 mod percept;
 mod refraction;
+mod tissue;
 
 use glam::{DVec2, DVec3};
 use ocularium::optics::{fresnel, snell};
@@ -191,7 +193,9 @@ fn no_library_file_goes_without_a_twin() {
     let tests = [
         include_str!("shader_twins/refraction.rs"),
         include_str!("shader_twins/light.rs"),
+        include_str!("shader_twins/eye_light.rs"),
         include_str!("shader_twins/percept.rs"),
+        include_str!("shader_twins/tissue.rs"),
     ]
     .concat();
     for (name, text) in LIBRARY {

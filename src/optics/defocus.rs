@@ -1,26 +1,47 @@
-//! Defocus in dioptres: the blur disc of a point as an angle.
+//! Defocus in dioptres: the blur disc of a point as an angle, and its blur ellipse where the eye is
+//! astigmatic.
 //!
-//! In: pupil diameter (m), vergences (D), refraction (D). Out: the disc's angular diameter (rad).
+//! In: pupil diameter (m), vergences (D), refraction (D; sphere, cylinder, axis). Out: the disc's
+//! angular diameter (rad), or the ellipse's axes (rad) and orientation.
 //!
 //! Demers' circle of confusion on an image at distance `I` behind the lens,
 //! `|A F (P − D) / (D (P − F))|` with `1/F = 1/P + 1/I` (the form of Nießner et al. 2013), is
 //! identical to `A I |1/D − 1/P|`. As an angle, `A |1/D − 1/P|`, it has no pole at `P = F`, is exact
 //! as `D` or `P` goes to infinity, and takes ametropia as one added term.
 //!
+//! **Astigmatism.** A refraction is the power vector (M, J₀, J₄₅) of Thibos, Wheeler & Horner 1997
+//! (Optom. Vis. Sci. 74, 367): `M = S + C/2`, `J₀ = −(C/2) cos 2α`, `J₄₅ = −(C/2) sin 2α`, which
+//! turns combining refractions into adding vectors. The dioptric matrix (Long 1976, Am. J. Optom.
+//! 53, 27) is then `F = [[M + J₀, J₄₅], [J₄₅, M − J₀]]`: a ray through the pupil point x (m) leaves
+//! the direction of a sharp image by the angle `F x`. So the blur of a point is the pupil itself,
+//! deformed by F: a circular pupil of radius a gives an ellipse whose semi-axes are a times the
+//! absolute eigenvalues of F, `|M ± √(J₀² + J₄₅²)|`, along the eigenvectors; the spherical case is
+//! the disc above.
+//!
+//! Axes are those of a prescription (TABO): anticlockwise from the horizontal as the examiner sees
+//! the patient's eye. In the patient's own view, +x right and +y up, they are mirrored:
+//! [`PowerVector::in_view`].
+//!
 //! Twin: `shaders/lib/defocus.wgsl`.
+
+use super::fresnel::clamp_or;
+use core::f64::consts::{FRAC_PI_2, PI};
+use glam::{DMat2, DVec2, DVec3};
 
 /// Angular diameter (rad) of the blur disc of a point at vergence `distance_vergence_d` = 1/D (D;
 /// 0 is infinity), seen by an eye accommodated to `focus_vergence_d` = 1/P with the spectacle
 /// refraction `refraction_d` (negative: myopia), through a pupil of `pupil_m` metres.
 ///
-/// The factor is 3.438 arcmin per mm of pupil and dioptre.
+/// The factor is 3.438 arcmin per mm of pupil and dioptre. Nothing infinite leaves here, nor from the
+/// ellipses below: pupils are limited to 0 to 1 m and sums of vergences to ±10⁶ D, and what is not a
+/// number counts as 0.
 pub fn defocus_blur_angle(
     pupil_m: f64,
     distance_vergence_d: f64,
     focus_vergence_d: f64,
     refraction_d: f64,
 ) -> f64 {
-    pupil_m * (distance_vergence_d - focus_vergence_d + refraction_d).abs()
+    sane_pupil(pupil_m) * sane_power(distance_vergence_d - focus_vergence_d + refraction_d).abs()
 }
 
 /// Vergence (D) of a distance in metres; infinity is 0. Distances below a millimetre, and what is
@@ -29,57 +50,236 @@ pub fn vergence_of_distance(distance_m: f64) -> f64 {
     1.0 / distance_m.max(1e-3)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// A refraction, or the error of one, as a power vector (D).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PowerVector {
+    /// Spherical equivalent M (D).
+    pub m_d: f64,
+    /// Cross cylinder with axes at 0 and 90°, J₀ (D).
+    pub j0_d: f64,
+    /// Cross cylinder with axes at 45 and 135°, J₄₅ (D).
+    pub j45_d: f64,
+}
 
-    /// Demers' circle of confusion (m) on the image.
-    fn demers(aperture: f64, object: f64, plane_in_focus: f64, image: f64) -> f64 {
-        let focal = 1.0 / (1.0 / plane_in_focus + 1.0 / image);
-        (aperture * focal * (plane_in_focus - object) / (object * (plane_in_focus - focal))).abs()
-    }
-
-    #[test]
-    fn equals_demers_where_that_is_well_conditioned() {
-        let image = 0.017;
-        for pupil in [1e-3, 4e-3, 9e-3] {
-            for object in [0.1, 0.3, 1.0, 6.0, 40.0] {
-                for focus in [0.15, 0.35, 2.0, 10.0] {
-                    let disc = image * defocus_blur_angle(pupil, 1.0 / object, 1.0 / focus, 0.0);
-                    let oracle = demers(pupil, object, focus, image);
-                    // Both cancel in P − D: the relative error is bounded through the largest term.
-                    assert!((disc - oracle).abs() < 1e-14 * pupil * image * 10.0 / 0.017);
-                }
-            }
+impl PowerVector {
+    /// From sphere and cylinder (D, either sign of the cylinder) and the cylinder's axis (rad).
+    pub fn from_sphere_cylinder(sphere_d: f64, cylinder_d: f64, axis_rad: f64) -> Self {
+        let half = 0.5 * cylinder_d;
+        let (sin, cos) = (2.0 * axis_rad).sin_cos();
+        Self {
+            m_d: sphere_d + half,
+            j0_d: -half * cos,
+            j45_d: -half * sin,
         }
     }
 
-    #[test]
-    fn one_millimetre_and_one_dioptre_is_3_438_arcmin() {
-        let arcmin = defocus_blur_angle(1e-3, 1.0, 0.0, 0.0).to_degrees() * 60.0;
-        assert!((arcmin - 3.438).abs() < 5e-4);
+    /// Sphere (D), cylinder (D, never positive) and axis (rad, from 0 up to but not including π);
+    /// the axis of a spherical refraction is 0.
+    pub fn to_sphere_cylinder(self) -> (f64, f64, f64) {
+        let j = self.astigmatism_d();
+        let axis = half_turn(0.5 * self.j45_d.atan2(self.j0_d));
+        (self.m_d + j, -2.0 * j, axis)
     }
 
-    #[test]
-    fn a_myope_of_three_dioptres_sees_sharp_at_a_third_of_a_metre() {
-        assert_eq!(defocus_blur_angle(4e-3, 3.0, 0.0, -3.0), 0.0);
-        // And far things through 3 D, whether relaxed or not more.
-        assert!((defocus_blur_angle(4e-3, 0.0, 0.0, -3.0) - 0.012).abs() < 1e-17);
+    /// `J = √(J₀² + J₄₅²)` (D): half the cylinder's size.
+    pub fn astigmatism_d(self) -> f64 {
+        self.j0_d.hypot(self.j45_d)
     }
 
-    #[test]
-    fn extremes_are_finite() {
-        assert_eq!(vergence_of_distance(f64::INFINITY), 0.0);
-        assert_eq!(vergence_of_distance(0.0), 1000.0);
-        assert_eq!(vergence_of_distance(f64::NAN), 1000.0);
-        for pupil in [1e-3, 9e-3] {
-            for refraction in [-20.0, 20.0] {
-                for distance in [1e-3, 1.0, f64::INFINITY] {
-                    let blur =
-                        defocus_blur_angle(pupil, vergence_of_distance(distance), 0.0, refraction);
-                    assert!(blur.is_finite() && blur >= 0.0);
-                }
-            }
+    /// Blur strength `B = √(M² + J²)` (D) of Thibos et al.: the spherical error of the same blur.
+    pub fn blur_strength_d(self) -> f64 {
+        self.m_d.hypot(self.astigmatism_d())
+    }
+
+    /// The same refraction with a vergence (D) added at every meridian.
+    pub fn plus_sphere(self, vergence_d: f64) -> Self {
+        Self {
+            m_d: self.m_d + vergence_d,
+            ..self
+        }
+    }
+
+    /// The same refraction in the patient's view (+x right, +y up as the patient sees it), where a
+    /// prescription's axes run clockwise. Its own inverse.
+    pub fn in_view(self) -> Self {
+        Self {
+            j45_d: -self.j45_d,
+            ..self
+        }
+    }
+
+    /// Power (D) in the meridian at the angle `meridian_rad`: `S + C sin²(φ − α)`.
+    pub fn power_in_meridian_d(self, meridian_rad: f64) -> f64 {
+        let (sin, cos) = (2.0 * meridian_rad).sin_cos();
+        self.m_d + self.j0_d * cos + self.j45_d * sin
+    }
+
+    /// The dioptric matrix F (D).
+    pub fn dioptric_matrix(self) -> DMat2 {
+        DMat2::from_cols(
+            DVec2::new(self.m_d + self.j0_d, self.j45_d),
+            DVec2::new(self.j45_d, self.m_d - self.j0_d),
+        )
+    }
+}
+
+impl core::ops::Add for PowerVector {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            m_d: self.m_d + other.m_d,
+            j0_d: self.j0_d + other.j0_d,
+            j45_d: self.j45_d + other.j45_d,
         }
     }
 }
+
+/// An elliptical pupil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EllipticalPupil {
+    /// Longer diameter (m).
+    pub major_m: f64,
+    /// Shorter diameter (m).
+    pub minor_m: f64,
+    /// Direction of the longer diameter (rad), in the frame of the refraction's axes.
+    pub orientation_rad: f64,
+}
+
+/// The blur of a point: a uniformly bright ellipse of visual angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlurEllipse {
+    /// Longer diameter (rad).
+    pub major_rad: f64,
+    /// Shorter diameter (rad): 0 at a line focus.
+    pub minor_rad: f64,
+    /// Direction of the longer diameter (rad), from 0 up to π; 0 for a disc.
+    pub orientation_rad: f64,
+}
+
+impl BlurEllipse {
+    /// Second moments of the ellipse about its centre (rad²): the covariance of the blur, which adds
+    /// to that of other blurs. A uniform disc of diameter d has d²/16 in every direction.
+    pub fn covariance(self) -> DMat2 {
+        let (sin, cos) = self.orientation_rad.sin_cos();
+        let (a, b) = (self.major_rad.powi(2) / 16.0, self.minor_rad.powi(2) / 16.0);
+        let across = (a - b) * sin * cos;
+        DMat2::from_cols(
+            DVec2::new(a * cos * cos + b * sin * sin, across),
+            DVec2::new(across, a * sin * sin + b * cos * cos),
+        )
+    }
+
+    /// Diameter (rad) of the disc of the same area.
+    pub fn equivalent_diameter_rad(self) -> f64 {
+        (self.major_rad * self.minor_rad).sqrt()
+    }
+}
+
+/// The error of refraction (D) with which an eye of the given spectacle refraction, accommodated to
+/// `focus_vergence_d`, sees a point at `distance_vergence_d`; each component within ±10⁶ D.
+pub fn defocus_error(
+    distance_vergence_d: f64,
+    focus_vergence_d: f64,
+    refraction: PowerVector,
+) -> PowerVector {
+    PowerVector {
+        m_d: sane_power(refraction.m_d + (distance_vergence_d - focus_vergence_d)),
+        j0_d: sane_power(refraction.j0_d),
+        j45_d: sane_power(refraction.j45_d),
+    }
+}
+
+/// The blur ellipse of a point at `distance_vergence_d` (D; 0 is infinity), seen by an eye
+/// accommodated to `focus_vergence_d` with the spectacle `refraction`, through a circular pupil of
+/// `pupil_m` metres. Without astigmatism its diameters are [`defocus_blur_angle`].
+///
+/// First-order optics, as there: exact to rounding for the model, which leaves out the wavefront's
+/// aberrations and diffraction.
+pub fn defocus_blur_ellipse(
+    pupil_m: f64,
+    distance_vergence_d: f64,
+    focus_vergence_d: f64,
+    refraction: PowerVector,
+) -> BlurEllipse {
+    let pupil = sane_pupil(pupil_m);
+    let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction);
+    let j = error.astigmatism_d();
+    // The eigenvector of M + J lies along the axis of the minus cylinder; that of M − J across it.
+    let along = 0.5 * error.j45_d.atan2(error.j0_d);
+    let orientation = if error.m_d >= 0.0 {
+        along
+    } else {
+        along + FRAC_PI_2
+    };
+    BlurEllipse {
+        major_rad: pupil * (error.m_d.abs() + j),
+        minor_rad: pupil * (error.m_d.abs() - j).abs(),
+        orientation_rad: if j > 0.0 { half_turn(orientation) } else { 0.0 },
+    }
+}
+
+/// Second moments (xx, xy, yy; rad²) of [`defocus_blur_ellipse`] without its trigonometry:
+/// `F Fᵀ a²/4` with a the pupil's radius, for renderers that add blurs or draw Gaussians.
+pub fn defocus_blur_covariance(
+    pupil_m: f64,
+    distance_vergence_d: f64,
+    focus_vergence_d: f64,
+    refraction: PowerVector,
+) -> DVec3 {
+    let pupil = 0.25 * sane_pupil(pupil_m);
+    let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction);
+    let xx = pupil * (error.m_d + error.j0_d);
+    let yy = pupil * (error.m_d - error.j0_d);
+    let xy = pupil * error.j45_d;
+    DVec3::new(xx * xx + xy * xy, xy * (xx + yy), yy * yy + xy * xy)
+}
+
+/// The blur ellipse through an elliptical pupil: the pupil's ellipse, deformed by the dioptric
+/// matrix of the error.
+pub fn defocus_blur_ellipse_through(
+    pupil: EllipticalPupil,
+    distance_vergence_d: f64,
+    focus_vergence_d: f64,
+    refraction: PowerVector,
+) -> BlurEllipse {
+    let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction).dioptric_matrix();
+    let (major, minor) = (sane_pupil(pupil.major_m), sane_pupil(pupil.minor_m));
+    let (sin, cos) = clamp_or(pupil.orientation_rad, -1e9, 1e9, 0.0).sin_cos();
+    // Half-diameters as columns: the ellipse is what the matrix makes of the unit disc.
+    let along = error * (DVec2::new(cos, sin) * major);
+    let across = error * (DVec2::new(-sin, cos) * minor);
+    // Axes of the image of the unit disc (singular values), from the sum and the difference of the
+    // matrix and its rotated self: no difference of nearly equal squares.
+    let sum = DVec2::new(along.x + across.y, along.y - across.x);
+    let difference = DVec2::new(along.x - across.y, along.y + across.x);
+    let (p, q) = (0.5 * sum.length(), 0.5 * difference.length());
+    let orientation = 0.5 * (sum.y.atan2(sum.x) + difference.y.atan2(difference.x));
+    BlurEllipse {
+        major_rad: p + q,
+        minor_rad: (p - q).abs(),
+        orientation_rad: if p > 0.0 && q > 0.0 {
+            half_turn(orientation)
+        } else {
+            0.0
+        },
+    }
+}
+
+fn sane_pupil(pupil_m: f64) -> f64 {
+    clamp_or(pupil_m, 0.0, 1.0, 0.0)
+}
+
+fn sane_power(power_d: f64) -> f64 {
+    clamp_or(power_d, -1e6, 1e6, 0.0)
+}
+
+/// A direction without a sense, from 0 up to π.
+fn half_turn(angle_rad: f64) -> f64 {
+    let turned = angle_rad.rem_euclid(PI);
+    // A tiny negative angle's remainder rounds to π itself.
+    if turned < PI { turned } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests;

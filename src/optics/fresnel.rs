@@ -1,11 +1,15 @@
-//! Fresnel reflectance of smooth interfaces for unpolarised light, exact, and of the tear film's
-//! lipid layer by Airy's sum over the reflections within a film (Born & Wolf, *Principles of
-//! Optics*, sections 1.5.2 and 7.6.1).
+//! Fresnel reflectance of smooth interfaces for unpolarised light, exact, of the tear film's lipid
+//! layer by Airy's sum over the reflections within a film, and of any number of films on one another
+//! (Born & Wolf, *Principles of Optics*, sections 1.5.2, 7.6.1 and 1.6).
 //!
 //! In: the cosine of the angle of incidence, indices, film thickness and wavelength in nm. Out: the
 //! fraction of light reflected, 0 to 1.
 //!
-//! Twin: `shaders/lib/fresnel.wgsl`.
+//! Twin of the interface and the single film: `shaders/lib/fresnel.wgsl`.
+
+mod stack;
+
+pub use stack::{Film, LightSplit, fresnel_stack, fresnel_stack_over_thick};
 
 use core::f64::consts::TAU;
 use glam::DVec3;
@@ -16,10 +20,12 @@ pub const LIPID_INDEX: f64 = 1.48;
 pub const TEAR_INDEX: f64 = 1.337;
 
 /// Reflectance of an interface from index `n1` (the ray's side) to `n2` for unpolarised light.
-/// `cos_incidence` runs from 0 (grazing) to 1 (perpendicular) and is clamped to it. Total
-/// reflection gives 1.
+/// `cos_incidence` runs from 0 (grazing) to 1 (perpendicular) and is clamped to it; what is not a
+/// number counts as grazing. Indices are limited to 0.001 to 1000, what is not a number counts as 1.
+/// Total reflection gives 1.
 pub fn fresnel_dielectric(cos_incidence: f64, n1: f64, n2: f64) -> f64 {
-    let cos_1 = cos_incidence.clamp(0.0, 1.0);
+    let cos_1 = fresnel_cosine(cos_incidence);
+    let (n1, n2) = (clamp_or(n1, 1e-3, 1e3, 1.0), clamp_or(n2, 1e-3, 1e3, 1.0));
     let eta = n1 / n2;
     let cos_2_squared = 1.0 - eta * eta * (1.0 - cos_1) * (1.0 + cos_1);
     if cos_2_squared <= 0.0 {
@@ -32,8 +38,9 @@ pub fn fresnel_dielectric(cos_incidence: f64, n1: f64, n2: f64) -> f64 {
 }
 
 /// Reflectance at one wavelength of a film (the lipid layer, [`LIPID_INDEX`], 20 to 120 nm thick)
-/// between air and a substrate (the aqueous tear, [`TEAR_INDEX`]). Indices at least 1, thickness
-/// from 0, wavelength above 0, both in nm.
+/// between air and a substrate (the aqueous tear, [`TEAR_INDEX`]). Indices from 1 to 4, thickness
+/// from 0 to 1 m and wavelength from 1 nm to 1 m, both in nm; each is limited to that, and what is
+/// not a number counts as index 1, thickness 0, wavelength 555 nm and grazing incidence.
 pub fn fresnel_thin_film(
     cos_incidence: f64,
     film_index: f64,
@@ -41,14 +48,16 @@ pub fn fresnel_thin_film(
     film_thickness_nm: f64,
     wavelength_nm: f64,
 ) -> f64 {
-    let cos_1 = cos_incidence.clamp(0.0, 1.0);
-    let sin_squared = (1.0 - cos_1) * (1.0 + cos_1);
-    let cos_2 = (1.0 - sin_squared / (film_index * film_index))
-        .max(0.0)
-        .sqrt();
-    let cos_3 = (1.0 - sin_squared / (substrate_index * substrate_index))
-        .max(0.0)
-        .sqrt();
+    let cos_1 = fresnel_cosine(cos_incidence);
+    let film_index = clamp_or(film_index, 1.0, 4.0, 1.0);
+    let substrate_index = clamp_or(substrate_index, 1.0, 4.0, 1.0);
+    let film_thickness_nm = clamp_or(film_thickness_nm, 0.0, 1e9, 0.0);
+    let wavelength_nm = clamp_or(wavelength_nm, 1.0, 1e9, 555.0);
+    if cos_1 < GRAZING_COSINE {
+        return 1.0;
+    }
+    let cos_2 = cosine_within(film_index, cos_1);
+    let cos_3 = cosine_within(substrate_index, cos_1);
     let phase = 2.0 * TAU * film_index * film_thickness_nm * cos_2 / wavelength_nm;
     let cos_phase = phase.cos();
 
@@ -94,9 +103,31 @@ pub fn fresnel_thin_film_rgb(
     DVec3::new(at(611.4), at(549.1), at(464.2))
 }
 
+/// Light flatter than this counts as grazing: it is reflected but for 1e-11.
+pub(super) const GRAZING_COSINE: f64 = 1e-12;
+
+/// Cosine of the direction within a medium of index 1 or more, of light that meets it from air:
+/// `√(1 − sin² θ/n²)` without the difference that fails at grazing incidence.
+pub(super) fn cosine_within(index: f64, cos_incidence: f64) -> f64 {
+    ((index - 1.0) * (index + 1.0) + cos_incidence * cos_incidence).sqrt() / index
+}
+
+fn fresnel_cosine(cos_incidence: f64) -> f64 {
+    clamp_or(cos_incidence, 0.0, 1.0, 0.0)
+}
+
+pub(super) fn clamp_or(value: f64, low: f64, high: f64, if_nan: f64) -> f64 {
+    if value.is_nan() {
+        if_nan
+    } else {
+        value.clamp(low, high)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn perpendicular_reflectance_of_the_cornea() {
@@ -164,5 +195,23 @@ mod tests {
             fresnel_thin_film_rgb(0.0, LIPID_INDEX, TEAR_INDEX, 60.0),
             DVec3::ONE
         );
+    }
+
+    proptest! {
+        #[test]
+        fn nonsense_gives_a_fraction(
+            cos in prop::num::f64::ANY, n in prop::num::f64::ANY, m in prop::num::f64::ANY,
+            d in prop::num::f64::ANY, wavelength in prop::num::f64::ANY,
+        ) {
+            for r in [
+                fresnel_dielectric(cos, n, m),
+                fresnel_dielectric(cos, 1.0, n),
+                fresnel_thin_film(cos, n, m, d, wavelength),
+                fresnel_thin_film(0.7, 1.48, 1.337, d, wavelength),
+                fresnel_thin_film_rgb(cos, n, m, d).x,
+            ] {
+                prop_assert!((0.0..=1.0).contains(&r), "{r}");
+            }
+        }
     }
 }

@@ -10,13 +10,19 @@
 //! A refracting surface is `DVec2(apical radius R in mm, shape factor p)`.
 
 pub mod caustic;
+pub mod chromatic;
 pub mod conicoid;
 pub mod cornea;
 pub mod defocus;
 pub mod fermat;
 pub mod fresnel;
+pub mod glare;
 pub mod globe;
+pub mod mean_mtf;
+pub mod media;
 pub mod microfacet;
 pub mod output;
 pub mod refraction_function;
 pub mod snell;
+pub mod stiles_crawford;
+pub mod tear_film;

@@ -4,7 +4,11 @@
 //! 1931 2° observer sees them under D65, scaled so that a perfect reflector is (1, 1, 1).
 //!
 //! Tables: CIE 1931 2° standard observer and standard illuminant D65, every second row of the 5 nm
-//! tables of CIE 15:2004 (T.4 and T.1). The matrix is IEC 61966-2-1's.
+//! tables of CIE 15:2004 (T.4 and T.1); compared entry by entry with the CIE's 1 nm tables of 2019
+//! (DOI 10.25039/CIE.DS.xvudnb9b) as the library colour-science ships them, they differ by the
+//! rounding to six places, D65 not at all.
+//! The matrix is IEC 61966-2-1's. For smooth spectra [`super::wavelengths`] needs a fifth as many
+//! samples.
 
 use std::sync::LazyLock;
 
@@ -62,8 +66,14 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
+/// Weight of each wavelength in the observer's three functions together under D65, D65 (x̄ + ȳ +
+/// z̄): positive, and large where colour is decided.
+pub(super) fn colour_weight() -> Spectrum {
+    core::array::from_fn(|i| D65[i] * (OBSERVER_X[i] + OBSERVER_Y[i] + OBSERVER_Z[i]))
+}
+
 /// Weights of each wavelength in red, green and blue; each row sums to 1.
-static WEIGHTS: LazyLock<[Spectrum; 3]> = LazyLock::new(|| {
+pub(super) static WEIGHTS: LazyLock<[Spectrum; 3]> = LazyLock::new(|| {
     SRGB_FROM_XYZ.map(|[x, y, z]| {
         let mut weights: Spectrum = core::array::from_fn(|i| {
             D65[i] * (x * OBSERVER_X[i] + y * OBSERVER_Y[i] + z * OBSERVER_Z[i])
