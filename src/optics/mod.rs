@@ -18,4 +18,6 @@ pub mod fresnel;
 pub mod globe;
 pub mod microfacet;
 pub mod output;
+pub mod ray_trace;
 pub mod snell;
+pub mod surface;
