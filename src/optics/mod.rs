@@ -18,6 +18,8 @@ pub mod fresnel;
 pub mod globe;
 pub mod microfacet;
 pub mod output;
+pub mod paraxial;
 pub mod ray_trace;
+pub mod schematic_eye;
 pub mod snell;
 pub mod surface;
