@@ -24,3 +24,4 @@ pub mod ray_trace;
 pub mod schematic_eye;
 pub mod snell;
 pub mod surface;
+pub mod zernike;
