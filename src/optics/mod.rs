@@ -24,4 +24,5 @@ pub mod ray_trace;
 pub mod schematic_eye;
 pub mod snell;
 pub mod surface;
+pub mod wavefront;
 pub mod zernike;
