@@ -19,6 +19,7 @@ pub mod globe;
 pub mod microfacet;
 pub mod output;
 pub mod paraxial;
+pub mod psf;
 pub mod pupil;
 pub mod ray_trace;
 pub mod schematic_eye;
