@@ -25,5 +25,6 @@ pub mod ray_trace;
 pub mod schematic_eye;
 pub mod snell;
 pub mod surface;
+pub mod traced_blur;
 pub mod wavefront;
 pub mod zernike;
