@@ -2,12 +2,21 @@
 //!
 //! Leaves, in a folder: `frames.csv` (milliseconds a frame by case), `field.csv`
 //! (the sharpness field in rooms of different volume), `summary.json`, and
-//! `frames.svg`, and `errors.csv` with `errors.svg` (error against time of each
-//! approximation). Every number is measured in this run.
+//! `frames.svg`; of each approximation `errors-TASK.csv` and `errors-TASK.svg` (error against
+//! time), of all together `errors.csv`, `errors.json` and, to be read, `errors.md`. Every number is
+//! measured in this run.
+//!
+//! The approximations are measured in a process of their own: none of the app's threads runs beside
+//! them, and criterion, which reports on stdout and stderr come what may, reports into
+//! `criterion.log`.
 
-use super::errors::{self, ErrorRow};
+use super::approximations::{
+    self, Effort, Requirement, TableSize, Task, TimingError, joint_csv, report, requirements,
+    tables_at_run_time, task_csv,
+};
 use super::files::{WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError};
+use super::irradiance;
 use super::render::median;
 use crate::anatomy::{PatientError, load_patient};
 use crate::app::Session;
@@ -21,8 +30,13 @@ use bevy::math::UVec2;
 use bevy::prelude::Msaa;
 use plotters::prelude::*;
 use serde::Serialize;
+use std::fs::File;
 use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::Instant;
+
+/// Environment variable of the process that measures the approximations: the file for its tasks.
+const TASKS_FILE: &str = "OCULARIUM_BENCH_TASKS";
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +56,12 @@ pub enum BenchError {
     /// A plot could not be drawn.
     #[error("the plot {0} could not be drawn: {1}")]
     Plot(&'static str, String),
+    /// A time could not be measured.
+    #[error(transparent)]
+    Timing(#[from] TimingError),
+    /// The process that measures the approximations did not do so.
+    #[error("the approximations could not be measured: {0}")]
+    Apart(String),
 }
 
 /// Milliseconds of the frames of one case.
@@ -79,7 +99,11 @@ struct Summary {
     frames: Vec<FrameCase>,
     field: Vec<FieldCase>,
     field_time_ratio_8x_volume: f64,
-    errors: Vec<ErrorRow>,
+    /// What was asked of the optics and tissue library, and what was found.
+    requirements: Vec<Requirement>,
+    /// Bytes that it reads at run time.
+    core_tables: Vec<TableSize>,
+    errors: Vec<Task>,
 }
 
 fn session(patient: &str, factor: f32) -> Result<Session, BenchError> {
@@ -172,8 +196,61 @@ fn field_cases(count: usize) -> Result<Vec<FieldCase>, BenchError> {
         .collect())
 }
 
+/// Measures the approximations and writes them to `file`.
+fn approximate(file: &Path, quick: bool) -> Result<(), BenchError> {
+    let effort = if quick { Effort::QUICK } else { Effort::FULL };
+    let mut stopwatch = effort.stopwatch(&file.with_extension("criterion"));
+    let mut tasks = approximations::measure(&effort, &mut stopwatch)?;
+    tasks.push(irradiance::measure(&mut stopwatch, effort.cases)?);
+    Ok(write_whole(file, &json(file, &tasks)?)?)
+}
+
+/// [`approximate`] in a process of its own.
+fn approximate_apart(out: &Path, quick: bool) -> Result<Vec<Task>, BenchError> {
+    let apart = |error: &dyn core::fmt::Display| BenchError::Apart(error.to_string());
+    let (file, log) = (out.join("errors.json"), out.join("criterion.log"));
+    let refused = |error: std::io::Error| WriteError {
+        path: log.display().to_string(),
+        reason: error.to_string(),
+    };
+    let stdout = File::create(&log).map_err(refused)?;
+    let stderr = stdout.try_clone().map_err(refused)?;
+    let program = std::env::current_exe().map_err(|error| apart(&error))?;
+    let mut command = Command::new(program);
+    command.args(["bench", "--out"]).arg(out);
+    if quick {
+        command.arg("--quick");
+    }
+    let status = command
+        .env(TASKS_FILE, &file)
+        // Otherwise criterion would ask Cargo for a folder, or report to its own program.
+        .env("CRITERION_HOME", out)
+        .env_remove("CARGO_CRITERION_PORT")
+        .stdin(Stdio::null())
+        .stdout(stdout)
+        .stderr(stderr)
+        .status()
+        .map_err(|error| apart(&error))?;
+    if !status.success() {
+        let log = log.display();
+        return Err(apart(&format!("{status}, {log} says why")));
+    }
+    let text = std::fs::read(&file).map_err(|error| apart(&error))?;
+    serde_json::from_slice(&text).map_err(|error| apart(&error))
+}
+
+fn json(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, WriteError> {
+    serde_json::to_vec_pretty(value).map_err(|error| WriteError {
+        path: path.display().to_string(),
+        reason: error.to_string(),
+    })
+}
+
 /// Measures, writes the files, and prints what a person wants to know.
 pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
+    if let Some(file) = std::env::var_os(TASKS_FILE) {
+        return approximate(Path::new(&file), quick);
+    }
     prepare_folder(out)?;
     let count = if quick { 40 } else { 200 };
     let square = UVec2::splat(320);
@@ -229,18 +306,10 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
             case.table_bytes as f64 / 1e6,
         );
     }
-    let errors = errors::measure(if quick { 4_000 } else { 100_000 });
-    for row in &errors {
-        eprintln!(
-            "{:<24} {:<22} {:>4}: {:9.1} ns, error {:.2e} rms, {:.2e} max {}",
-            row.task,
-            row.method,
-            row.parameter,
-            row.ns_per_call,
-            row.err_rms,
-            row.err_max,
-            row.unit
-        );
+    let errors = approximate_apart(out, quick)?;
+    let requirements = requirements(&errors);
+    for requirement in &requirements {
+        eprintln!("{requirement}");
     }
     let summary = Summary {
         version: env!("CARGO_PKG_VERSION"),
@@ -250,11 +319,15 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
         field_time_ratio_8x_volume: field[1].ms_median / field[0].ms_median,
         frames,
         field,
+        requirements,
+        core_tables: tables_at_run_time(),
         errors,
     };
     write_files(out, &summary)?;
     eprintln!(
-        "frames.csv, field.csv, errors.csv, summary.json, frames.svg and errors.svg in {}",
+        "frames.csv, field.csv, errors.csv, errors.md, summary.json, frames.svg and {} plots of error \
+         against time in {}",
+        summary.errors.len(),
         out.display()
     );
     Ok(())
@@ -288,18 +361,18 @@ fn write_files(out: &Path, summary: &Summary) -> Result<(), BenchError> {
         );
     }
     write_whole(&out.join("field.csv"), text.as_bytes())?;
-    let json = serde_json::to_vec_pretty(summary).map_err(|error| WriteError {
-        path: "summary.json".into(),
-        reason: error.to_string(),
-    })?;
-    write_whole(&out.join("summary.json"), &json)?;
+    let path = out.join("summary.json");
+    write_whole(&path, &json(&path, summary)?)?;
     write_whole(
         &out.join("errors.csv"),
-        errors::csv(&summary.errors).as_bytes(),
+        joint_csv(&summary.errors).as_bytes(),
     )?;
-    let svg = errors::plot(&summary.errors)
-        .map_err(|error| BenchError::Plot("errors.svg", error.to_string()))?;
-    write_whole(&out.join("errors.svg"), svg.as_bytes())?;
+    write_whole(&out.join("errors.md"), report(&summary.errors).as_bytes())?;
+    for task in &summary.errors {
+        let name = |ending: &str| out.join(format!("errors-{}.{ending}", task.name));
+        write_whole(&name("csv"), task_csv(task).as_bytes())?;
+        write_whole(&name("svg"), approximations::plot(task).as_bytes())?;
+    }
     let svg = frames_plot(&summary.frames)
         .map_err(|error| BenchError::Plot("frames.svg", error.to_string()))?;
     Ok(write_whole(&out.join("frames.svg"), svg.as_bytes())?)

@@ -2,9 +2,10 @@
 //!
 //! Enters: a session. Leaves: images, traces and numbers, on the desktop only.
 
+pub mod approximations;
 pub mod bench;
-pub mod errors;
 pub mod files;
 pub mod headless;
 pub mod image_difference;
+pub mod irradiance;
 pub mod render;

@@ -1,0 +1,208 @@
+//! The two-point problem of François et al. 2007: the paper's Algorithm 1, our solver, and
+//! precomputed refraction functions, the paper's and ours.
+
+use super::published_table::PublishedTable;
+use super::rows::{ErrorRow, Task};
+use super::timing::{Stopwatch, TimingError};
+use crate::optics::conicoid::{conicoid_normal, conicoid_sag};
+use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
+use crate::optics::fermat::{FERMAT_STEPS, fermat_solve};
+use crate::optics::refraction_function::domain::{EXIT_INCIDENCE_DEG, RefractionEye};
+use crate::optics::refraction_function::{RefractionFunction, RefractionSize};
+use glam::{DVec2, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Name of the task on the refraction function's domain.
+pub const TASK: &str = "two-point";
+/// Name of the task on what lies outside of it.
+pub const RIM_TASK: &str = "two-point-rim";
+/// The paper's own solver.
+pub const ALGORITHM_1: &str = "Algorithm 1";
+/// Ours.
+pub const SOLVER: &str = "solver";
+/// Our refraction function.
+pub const TABLE: &str = "refraction function";
+/// The same with a step of Newton's method.
+pub const POLISHED: &str = "polished";
+/// The paper's refraction function.
+pub const PUBLISHED: &str = "as published";
+
+/// A place of the iris, a distant light, and the point of the cornea that joins them.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// On the iris plane (mm).
+    pub place: DVec2,
+    /// Unit direction towards the light.
+    pub light: DVec3,
+    /// `K` (mm).
+    pub entry: DVec3,
+}
+
+/// Which exit incidences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Incidence {
+    /// Up to the refraction function's limit.
+    Domain,
+    /// From there to grazing.
+    Rim,
+}
+
+/// Seeded random pairs, traced forward by Snell's law from `K` to the iris, so that no solver decides
+/// which pairs there are or where their `K` lies: `K` uniform over the limbus' disc, light uniform
+/// over the directions of the hemisphere that meet the cornea there at these incidences, the place
+/// within the limbus. Pairs behind a fold, whose light reaches the place by a shorter way too, are
+/// left out; there are some at the rim only.
+pub fn pairs(eye: &RefractionEye, incidence: Incidence, count: usize, seed: u64) -> Vec<Pair> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let limit = EXIT_INCIDENCE_DEG.to_radians().cos();
+    let (least, most) = match incidence {
+        Incidence::Domain => (limit, 1.0),
+        Incidence::Rim => (0.0, limit),
+    };
+    let mut out = Vec::with_capacity(count);
+    while out.len() < count {
+        let radius = eye.limbus_mm * random.random::<f64>().sqrt();
+        let turn = DVec2::from_angle(random.random_range(0.0..core::f64::consts::TAU));
+        let k = radius * turn;
+        let entry = k.extend(conicoid_sag(radius, eye.surface.x, eye.surface.y));
+        let normal = conicoid_normal(entry, eye.surface.x, eye.surface.y);
+        let cos = least + (most - least) * random.random::<f64>();
+        let (s, c) = random.random_range(0.0..core::f64::consts::TAU).sin_cos();
+        let side = normal.any_orthonormal_vector();
+        let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
+        let light = (cos * normal + sin * (c * side + s * normal.cross(side))).normalize();
+        let landing = eye.land(k, light);
+        let inside = light.z < 0.0
+            && landing.ray_z > 0.03
+            && landing.point.length() <= eye.limbus_mm
+            && eye.stretch(k, light).is_finite();
+        if inside {
+            out.push(Pair {
+                place: landing.point,
+                light,
+                entry,
+            });
+        }
+    }
+    out
+}
+
+/// The paper's descent with at most `planes` tangent planes.
+fn algorithm_1(eye: &RefractionEye, pair: &Pair, planes: u32) -> DVec3 {
+    let settings = DescentSettings {
+        planes,
+        ..DescentSettings::default()
+    };
+    let point = pair.place.extend(eye.iris_z_mm);
+    fermat_gradient_descent(point, pair.light, eye.surface, eye.index, settings).0
+}
+
+/// The tables that are compared, made once for both tasks.
+pub struct Tables {
+    eye: RefractionEye,
+    ours: Vec<(String, RefractionFunction)>,
+    published: Vec<(String, PublishedTable)>,
+}
+
+impl Tables {
+    /// Computes all of them for François' eye; the paper's largest (3 MB, seconds) unless `quick`.
+    pub fn new(quick: bool) -> Self {
+        let eye = RefractionEye::default();
+        let order = RefractionSize::SMALL.order;
+        let size = |grid: [usize; 3]| RefractionSize { grid, order };
+        let sizes = [
+            size([9, 5, 9]),
+            size([13, 7, 12]),
+            RefractionSize::SMALL,
+            size([24, 13, 30]),
+            size([32, 18, 50]),
+            RefractionSize::LARGE,
+            size([52, 32, 110]),
+        ];
+        let mut layouts = vec![(10, 100), (100, 250), (10, 2500)];
+        if !quick {
+            layouts.push((100, 2500));
+        }
+        Self {
+            eye,
+            ours: sizes
+                .map(|size| (setting(size), RefractionFunction::new(eye, size)))
+                .into(),
+            published: layouts
+                .into_iter()
+                .map(|(radii, directions)| {
+                    let table = PublishedTable::new(&eye, radii, directions);
+                    (format!("{radii}×{directions}"), table)
+                })
+                .collect(),
+        }
+    }
+}
+
+/// The setting of a table of this size in [`Task::row`].
+pub fn setting(size: RefractionSize) -> String {
+    let [t, b, w] = size.grid;
+    format!("{t}×{b}×{w}")
+}
+
+/// Measures every method on `count` pairs.
+pub fn measure(
+    stopwatch: &mut Stopwatch,
+    tables: &Tables,
+    incidence: Incidence,
+    count: usize,
+) -> Result<Task, TimingError> {
+    let eye = &tables.eye;
+    let pairs = pairs(eye, incidence, count, 11);
+    let error = |pair: &Pair, entry: DVec3| entry.distance(pair.entry);
+    let lifted = |pair: &Pair, k: DVec2| {
+        let sag = conicoid_sag(k.length(), eye.surface.x, eye.surface.y);
+        error(pair, k.extend(sag))
+    };
+    let mut rows: Vec<ErrorRow> = Vec::new();
+    for planes in [2, 5, 20] {
+        let run = |pair: &Pair| algorithm_1(eye, pair, planes);
+        rows.push(stopwatch.row((ALGORITHM_1, planes, 0), &pairs, run, error)?);
+    }
+    for steps in 0..=FERMAT_STEPS {
+        let run = |pair: &Pair| {
+            let point = pair.place.extend(eye.iris_z_mm);
+            fermat_solve(point, pair.light, eye.surface, eye.index, steps, 1e-26).entry
+        };
+        rows.push(stopwatch.row((SOLVER, steps, 0), &pairs, run, error)?);
+    }
+    for (name, table) in &tables.published {
+        let run = |pair: &Pair| table.entry(pair.place, pair.light);
+        rows.push(stopwatch.row((PUBLISHED, name, table.bytes()), &pairs, run, error)?);
+    }
+    for (name, table) in &tables.ours {
+        let run = |pair: &Pair| table.entry(pair.place, pair.light);
+        rows.push(stopwatch.row((TABLE, name, table.bytes()), &pairs, run, lifted)?);
+    }
+    for (name, table) in &tables.ours {
+        let run = |pair: &Pair| table.polished_entry(pair.place, pair.light);
+        rows.push(stopwatch.row((POLISHED, name, table.bytes()), &pairs, run, lifted)?);
+    }
+    let (name, title, range) = match incidence {
+        Incidence::Domain => (TASK, "The two-point problem", "up to 80°"),
+        Incidence::Rim => (
+            RIM_TASK,
+            "The two-point problem at the rim",
+            "80 to 90° and in front of any fold",
+        ),
+    };
+    Ok(Task {
+        name: name.to_owned(),
+        title: title.to_owned(),
+        call: "K for one place of the iris and one distant light".to_owned(),
+        domain: format!(
+            "{count} seeded random pairs: cornea R 7.8 mm, p 0.75, index 1.336; iris plane 3.6 mm deep; \
+             P and K within the limbus (5.85 mm); lights of the hemisphere; exit incidence {range}; \
+             K uniform over the limbus"
+        ),
+        reference: "Snell's law traced forward from K (distance at K in space)".to_owned(),
+        unit: "mm".to_owned(),
+        rows,
+    })
+}
