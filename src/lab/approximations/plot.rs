@@ -2,7 +2,8 @@
 //!
 //! Enters: a task. Leaves: an SVG 900 pixels wide. A circle is a method's root mean square error, the
 //! dash above it its largest; filled circles, joined by a line, are those that no other beats in time
-//! and root mean square error. A method has a colour, a setting a label.
+//! and root mean square error. A method has a colour, a setting a label. What has no error (where the
+//! reference itself is a method) stands on a line of its own at the bottom, marked 0.
 
 mod labels;
 
@@ -19,8 +20,6 @@ const BOTTOM: f64 = 54.0;
 /// Title, then lines of the legend.
 const TITLE: f64 = 34.0;
 const LEGEND_LINE: f64 = 20.0;
-/// Errors that vanish stand this many decades below the least that does not.
-const BELOW: f64 = 1.0;
 /// Errors smaller than this count as rounding.
 const ROUNDING: f64 = 1e-17;
 
@@ -97,22 +96,25 @@ impl Axis {
     }
 }
 
-/// The values of the vertical axis: where a row's two errors stand.
-fn heights(rows: &[ErrorRow]) -> Vec<[f64; 2]> {
-    let least = rows
-        .iter()
-        .flat_map(|row| [row.err_rms, row.err_max])
+/// Where a row's two errors stand on the vertical axis, and the place of those that vanish: the decade
+/// below the least that does not, if there are any.
+fn heights(rows: &[ErrorRow]) -> (Vec<[f64; 2]>, Option<f64>) {
+    let errors = || rows.iter().flat_map(|row| [row.err_rms, row.err_max]);
+    let least = errors()
         .filter(|error| *error > ROUNDING)
         .fold(f64::INFINITY, f64::min);
-    let floor = if least.is_finite() {
-        least * 10.0_f64.powf(-BELOW)
+    let nothing = if least.is_finite() {
+        10.0_f64.powf((least.log10() - 0.3).floor())
     } else {
         ROUNDING
     };
-    let stand = |error: f64| if error > ROUNDING { error } else { floor };
-    rows.iter()
+    let stand = |error: f64| if error > ROUNDING { error } else { nothing };
+    let heights = rows
+        .iter()
         .map(|row| [stand(row.err_rms), stand(row.err_max)])
-        .collect()
+        .collect();
+    let vanish = errors().any(|error| error <= ROUNDING);
+    (heights, vanish.then_some(nothing))
 }
 
 /// The plot of a task, as SVG.
@@ -126,20 +128,24 @@ pub fn plot(task: &Task) -> String {
     let legend = legend(&methods);
     let lines = legend.last().map_or(1.0, |(_, line, _)| line + 1.0);
     let top = TITLE + lines * LEGEND_LINE + 12.0;
-    let heights = heights(&task.rows);
+    let (heights, nothing) = heights(&task.rows);
     let x = Axis::new(
         task.rows.iter().map(|row| row.ns_per_call),
         [LEFT, WIDTH - RIGHT],
         false,
     );
-    let y = Axis::new(
+    let mut y = Axis::new(
         heights.iter().flatten().copied(),
         [HEIGHT - BOTTOM, top],
         true,
     );
+    if let Some(nothing) = nothing {
+        // There is nothing below it.
+        y.low = (nothing.log10() - 0.4).max(y.low);
+    }
     let mut svg = String::new();
     // Writing to a String cannot fail.
-    let _ = draw(&mut svg, task, &legend, &heights, &x, &y);
+    let _ = draw(&mut svg, task, &legend, (&heights, nothing), &x, &y);
     svg
 }
 
@@ -162,7 +168,7 @@ fn draw(
     svg: &mut String,
     task: &Task,
     legend: &[(f64, f64, &str)],
-    heights: &[[f64; 2]],
+    (heights, nothing): (&[[f64; 2]], Option<f64>),
     x: &Axis,
     y: &Axis,
 ) -> std::fmt::Result {
@@ -201,7 +207,7 @@ fn draw(
             c = colour(method),
         )?;
     }
-    axes(svg, task, x, y)?;
+    axes(svg, task, nothing, x, y)?;
 
     let places: Vec<[f64; 3]> = task
         .rows
@@ -279,8 +285,8 @@ fn draw(
         )?;
         writeln!(
             svg,
-            r#"<text x="{:.1}" y="{:.1}" font-size="{}" fill="{c}">{}</text>"#,
-            label.rect.left,
+            r##"<text x="{:.1}" y="{:.1}" font-size="{}" text-anchor="middle" fill="{c}" stroke="#ffffff" stroke-width="2.5" paint-order="stroke">{}</text>"##,
+            0.5 * (label.rect.left + label.rect.right),
             label.rect.bottom - 3.0,
             labels::FONT_PX,
             escape(&mark.label)
@@ -290,7 +296,13 @@ fn draw(
     writeln!(svg, "</svg>")
 }
 
-fn axes(svg: &mut String, task: &Task, x: &Axis, y: &Axis) -> std::fmt::Result {
+fn axes(
+    svg: &mut String,
+    task: &Task,
+    nothing: Option<f64>,
+    x: &Axis,
+    y: &Axis,
+) -> std::fmt::Result {
     for tick in x.ticks() {
         let at = x.pixel(tick);
         writeln!(
@@ -302,7 +314,20 @@ fn axes(svg: &mut String, task: &Task, x: &Axis, y: &Axis) -> std::fmt::Result {
             time(tick)
         )?;
     }
-    for tick in y.ticks() {
+    if let Some(nothing) = nothing {
+        let at = y.pixel(nothing);
+        writeln!(
+            svg,
+            r##"<path d="M{:.1} {at:.1}H{:.1}" stroke="#bbbbbb" stroke-dasharray="2 3"/><text x="{:.1}" y="{:.1}" text-anchor="end">0</text>"##,
+            x.from,
+            x.to,
+            x.from - 7.0,
+            at + 4.0
+        )?;
+    }
+    // Below the line of those without an error there is nothing to read off.
+    let least = nothing.map_or(0.0, |nothing| 1.5 * nothing);
+    for tick in y.ticks().into_iter().filter(|tick| *tick > least) {
         let at = y.pixel(tick);
         writeln!(
             svg,

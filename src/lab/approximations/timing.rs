@@ -23,7 +23,7 @@ pub const ROUNDS: u32 = 3;
 /// Samples of a measurement: criterion's least.
 const SAMPLES: usize = 10;
 /// Resamples for criterion's own confidence intervals: its least without a warning.
-const RESAMPLES: usize = 1_000;
+const RESAMPLES: usize = 1_001;
 
 /// A time that criterion did not leave behind.
 #[derive(Debug, thiserror::Error)]
@@ -69,16 +69,18 @@ impl Stopwatch {
         }
     }
 
-    /// Nanoseconds of a call of `run` on each of the first [`WORKING_SET`] of `cases` in turn.
+    /// Nanoseconds of a call of `run` on each of the first [`WORKING_SET`] of `cases` in turn; `name` is
+    /// for criterion's report.
     pub fn ns_per_call<C, R>(
         &mut self,
+        name: &str,
         cases: &[C],
         mut run: impl FnMut(&C) -> R,
     ) -> Result<f64, TimingError> {
         let cases = &cases[..cases.len().min(WORKING_SET)];
         let mut least = f64::INFINITY;
         for _ in 0..ROUNDS {
-            least = least.min(self.round(cases, &mut run)?);
+            least = least.min(self.round(name, cases, &mut run)?);
         }
         Ok(least)
     }
@@ -86,11 +88,18 @@ impl Stopwatch {
     /// Criterion's median.
     fn round<C, R>(
         &mut self,
+        name: &str,
         cases: &[C],
         mut run: impl FnMut(&C) -> R,
     ) -> Result<f64, TimingError> {
         self.timed += 1;
-        let name = format!("method-{}", self.timed);
+        // Also the name of a folder.
+        let plain: String = name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+            .take(50)
+            .collect();
+        let name = format!("{}-{plain}", self.timed);
         let mut next = 0;
         self.criterion.bench_function(&name, |bencher| {
             bencher.iter(|| {
@@ -122,7 +131,8 @@ impl Stopwatch {
         error: impl Fn(&C, R) -> f64,
     ) -> Result<ErrorRow, TimingError> {
         let errors = cases.iter().map(|case| error(case, run(case))).collect();
-        let ns = self.ns_per_call(cases, run)?;
+        let name = format!("{method} {}", parameter.to_string());
+        let ns = self.ns_per_call(&name, cases, run)?;
         Ok(ErrorRow::new(method, parameter, bytes, ns, errors))
     }
 }

@@ -69,7 +69,7 @@ pub struct Label {
 
 /// Width (px) of a text in a sans-serif face: on the generous side, since faces differ.
 pub fn width(text: &str, font_px: f64) -> f64 {
-    text.chars().count() as f64 * 0.58 * font_px
+    text.chars().count() as f64 * 0.64 * font_px
 }
 
 /// Places all labels, in the order of the marks.

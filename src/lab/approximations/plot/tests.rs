@@ -121,6 +121,22 @@ fn extremes_can_be_drawn() {
 }
 
 #[test]
+fn what_has_no_error_stands_on_a_line_of_its_own() {
+    let with = plot(&task(vec![
+        row("m", "1", 1.0, 1e-3),
+        row("m", "2", 9.0, 0.0),
+    ]));
+    let without = plot(&task(vec![
+        row("m", "1", 1.0, 1e-3),
+        row("m", "2", 9.0, 1e-4),
+    ]));
+    let zero = |svg: &str| svg.matches(">0</text>").count();
+    assert_eq!((zero(&with), zero(&without)), (1, 0));
+    // 1e-4, where it stands, is not written there.
+    assert!(!with.contains("10⁻⁴<") && without.contains("10⁻⁴<"));
+}
+
+#[test]
 fn filled_marks_are_the_front() {
     let svg = plot(&task(vec![
         row("m", "1", 10.0, 1e-2),
