@@ -133,7 +133,7 @@ fn what_has_no_error_stands_on_a_line_of_its_own() {
     let zero = |svg: &str| svg.matches(">0</text>").count();
     assert_eq!((zero(&with), zero(&without)), (1, 0));
     // 1e-4, where it stands, is not written there.
-    assert!(!with.contains("10⁻⁴<") && without.contains("10⁻⁴<"));
+    assert!(!with.contains(">10⁻⁴<") && without.contains(">10⁻⁴<"));
 }
 
 #[test]
