@@ -27,6 +27,7 @@
 //! Twin: `shaders/lib/fermat.wgsl`.
 
 pub mod descent;
+pub mod two_surfaces;
 
 use super::conicoid::{conicoid_normal, conicoid_sag};
 use glam::{DVec2, DVec3, DVec4};
