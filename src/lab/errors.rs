@@ -7,7 +7,7 @@
 use crate::appearance::light_table::{LAMPS, LightTableSettings, look_up};
 use crate::optics::caustic::caustic_irradiance_at;
 use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
-use crate::optics::fermat::{FERMAT_STEPS, fermat_entry, fermat_solve};
+use crate::optics::fermat::{FERMAT_STEPS, FermatSource, fermat_entry, fermat_solve};
 use glam::{DVec2, DVec3};
 use plotters::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -124,7 +124,14 @@ fn two_point(pairs: &[Pair]) -> Vec<ErrorRow> {
             ..DescentSettings::default()
         };
         let run = |pair: &Pair| {
-            fermat_gradient_descent(pair.point, pair.light, SURFACE, INDEX, settings).0
+            fermat_gradient_descent(
+                pair.point,
+                &FermatSource::distant(pair.light),
+                SURFACE,
+                INDEX,
+                settings,
+            )
+            .0
         };
         let errors = pairs
             .iter()
