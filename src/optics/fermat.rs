@@ -379,16 +379,16 @@ fn fermat_start(iris_point: DVec3, source: &FermatSource, surface: DVec2, n: f64
     fermat_sphere_start(iris_point, source.from(at), surface.x, n)
 }
 
-/// One step of Newton's method from `k`.
+/// Newton's step (mm) from `k`.
 #[inline]
-pub fn fermat_newton(
+pub fn fermat_newton_step(
     k: DVec2,
     iris_point: DVec3,
     source: &FermatSource,
     surface: DVec2,
     n: f64,
 ) -> DVec2 {
-    k + newton_step(&fermat_residual(k, iris_point, source, surface, n))
+    newton_step(&fermat_residual(k, iris_point, source, surface, n))
 }
 
 fn newton_step(residual: &FermatResidual) -> DVec2 {

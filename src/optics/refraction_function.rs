@@ -17,9 +17,8 @@
 //! Twin: `shaders/lib/refraction_function.wgsl`.
 
 pub mod domain;
-mod spline;
+pub mod spline;
 
-use super::fermat::{FermatSource, fermat_newton};
 use domain::{FRAME, RefractionEye, frame_a, frame_place};
 use glam::{DVec2, DVec3, Vec2};
 use spline::{Order, prefilter, sites, weights};
@@ -265,12 +264,7 @@ impl RefractionFunction {
     /// One step of Newton's method on Snell's law, from any nearby entry point.
     #[inline]
     pub fn polish(&self, entry: DVec2, place: DVec2, light: DVec3) -> DVec2 {
-        let source = FermatSource {
-            direction: light,
-            inverse_distance: 0.0,
-        };
-        let point = place.extend(self.eye.iris_z_mm);
-        fermat_newton(entry, point, &source, self.eye.surface, self.eye.index)
+        entry + self.eye.newton_step(entry, place, light)
     }
 }
 
