@@ -220,7 +220,7 @@ fn lamp_highlight(n: vec3<f32>, v: vec3<f32>, l: vec3<f32>, roughness: f32, lamp
 fn reflection(p_head: vec3<f32>, n_head: vec3<f32>, v_head: vec3<f32>, blur: f32, shade: LidShade) -> vec3<f32> {
     let r = reflect(-v_head, n_head);
     let cosine = clamp(dot(n_head, v_head), 0.0, 1.0);
-    let f = fresnel_thin_film_rgb(cosine, 1.48, 1.337, globe.pupil.w);
+    let f = tear_film_rgb(cosine, 1.48, 1.337, globe.pupil.w);
     // The reflected ray rises by r.y for each unit forward; it meets the upper lid when that is steeper than the gap allows.
     let rise = r.y / max(length(r.xz), 0.05);
     let lid = smoothstep(-0.35, 0.35, shade.upper_gap * 0.42 + 0.25 - rise);

@@ -6,7 +6,7 @@ use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
 use super::images::map_image;
 use super::lashes::Lashes;
-use super::light_table::{LAMPS, LightTableSettings, SIDE};
+use super::light_table::{LAMPS, LightTable, SIDE};
 use super::materials::{
     GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
     MeniscusUniform, SkinMaterial, SkinUniform, Studio,
@@ -41,7 +41,7 @@ pub struct EyeParts {
     head_from_eye: Option<Quat>,
     pupil_radius_mm: f32,
     globe: Vec<(Entity, Handle<GlobeMaterial>)>,
-    lights: Option<(LightTableSettings, Handle<Image>)>,
+    lights: Option<(LightTable, Handle<Image>)>,
     skin: Option<Handle<Mesh>>,
     lash_mesh: Option<Handle<Mesh>>,
     meniscus_mesh: Option<Handle<Mesh>>,
@@ -168,7 +168,7 @@ pub fn build_eye(
             .id();
         parts.globe.push((entity, material));
     }
-    parts.lights = Some((light_settings(cornea, iris), light_table));
+    parts.lights = Some((LightTable::new(light_settings(cornea, iris)), light_table));
 
     if parts.region.is_none() {
         match EyeRegion::load() {
@@ -288,15 +288,15 @@ pub fn move_eye(
             material.globe.pupil.y = pupil.decentration_mm[1] as f32;
         }
     }
-    if let Some((settings, table)) = parts.lights.as_mut().filter(|_| turned) {
+    if let Some((lights, table)) = parts.lights.as_mut().filter(|_| turned) {
         let studio = Studio::default();
         let eye_from_head = rotation.inverse();
-        settings.lamps = [studio.key_direction, studio.fill_direction].map(|lamp| {
+        lights.settings.lamps = [studio.key_direction, studio.fill_direction].map(|lamp| {
             (eye_from_head * lamp.truncate())
                 .as_dvec3()
                 .normalize_or(DVec3::NEG_Z)
         });
-        let level = ((LAMPS * SIDE) as u32, SIDE as u32, settings.texels());
+        let level = ((LAMPS * SIDE) as u32, SIDE as u32, lights.texels());
         // Under the same handle: the materials, changed above, bind the new texture.
         if images
             .insert(table.id(), map_image(&[level], false))

@@ -88,7 +88,7 @@ pub(super) fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
     map_image(&map.levels(), false)
 }
 pub(super) fn reflectance_image(iris: &Iris) -> Image {
-    let table = IrisReflectanceTable::new(
+    let table = IrisReflectanceTable::many_flux(
         &IrisPigment {
             stroma_melanin_fraction: iris.stroma_melanin_fraction,
             border_layer_melanin_fraction: iris.border_layer_melanin_fraction,

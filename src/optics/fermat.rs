@@ -12,12 +12,14 @@
 //!    `L + (n/ℓ)(P − O)` with `ℓ = |K − P|`: two equations become one for the number `ℓ`, which lies
 //!    between `R − d` and `R + d`, `d = |P − O|`. A few Newton steps within that bracket solve it.
 //! 2. **Newton's method** on the conicoid, with the analytic Hessian: quadratic.
-//! 3. **A fallback.** A step that does not shrink the residual, or that would leave the minimum for
-//!    a saddle, becomes a step down the path's length, halved until `Φ` falls: from the start this
-//!    converges to a minimum of `Φ`, which is the path in front of any fold.
+//! 3. **A fallback** ([`fermat_solve_surely`]): steps down the path's length, halved until `Φ` falls,
+//!    so that they converge to a minimum of `Φ`, which is a path in front of any fold.
 //!
-//! **Convergence**: see [`tests`] for the domain and the counts. A distant source is the limit
-//! `1/distance = 0` of the same expressions, not a case of its own.
+//! **Convergence**, over pairs traced forward through a limbus of 5.85 mm onto an iris plane 3.6 mm
+//! deep, sources of the whole hemisphere, exit incidence up to 80°, R 7.8, p 0.75, n 1.336: every
+//! pair, in 2.9 steps on average and 4 at most, to 2e-11 mm. To 90° every pair in front of the fold
+//! converges as far as it is conditioned. A distant source is the limit `1/distance = 0` of the same
+//! expressions, not a case of its own.
 //!
 //! [`descent`] holds the paper's Algorithm 1 as the baseline, [`two_surfaces`] the same problem
 //! through both surfaces of the cornea.
@@ -25,6 +27,7 @@
 //! Twin: `shaders/lib/fermat.wgsl`.
 
 pub mod descent;
+pub mod two_surfaces;
 
 use super::conicoid::{conicoid_normal, conicoid_sag};
 use glam::{DVec2, DVec3, DVec4};
@@ -35,6 +38,8 @@ pub const FERMAT_STEPS: u32 = 6;
 const FERMAT_TOLERANCE: f64 = 1e-3;
 /// Longest step of Newton's method (mm).
 const FERMAT_LONGEST_STEP: f64 = 2.0;
+/// Most steps of the fallback.
+const FERMAT_FALLBACK_STEPS: u32 = 60;
 /// Steps for the path length on the sphere.
 const FERMAT_SPHERE_STEPS: u32 = 3;
 
@@ -93,10 +98,24 @@ pub struct FermatSolution {
     pub curvature: f64,
 }
 
+#[derive(Clone, Copy)]
 struct FermatResidual {
     gradient: DVec2,
     /// (xx, xy, yy).
     hessian: DVec3,
+}
+
+impl FermatResidual {
+    fn curvature(&self) -> f64 {
+        let h = self.hessian;
+        // Positive for a minimum; a maximum counts as negative too.
+        let determinant = h.x * h.z - h.y * h.y;
+        if h.x + h.z > 0.0 {
+            determinant
+        } else {
+            -determinant.abs()
+        }
+    }
 }
 
 #[inline]
@@ -188,7 +207,10 @@ fn fermat_path(k: DVec2, iris_point: DVec3, source: &FermatSource, surface: DVec
 }
 
 /// Newton's method with at most `steps` evaluations after the first; it ends early when the squared
-/// residual is below `enough`.
+/// residual is below `enough`, or where a step does not shrink it.
+///
+/// Finite for every finite argument; where there is no path, `residual` stays large or `faces_light`
+/// is false. [`fermat_solve_surely`] searches on where this fails.
 pub fn fermat_solve_from(
     iris_point: DVec3,
     source: &FermatSource,
@@ -197,37 +219,154 @@ pub fn fermat_solve_from(
     steps: u32,
     enough: f64,
 ) -> FermatSolution {
-    // Stay off the equator, where the sag has no derivative.
-    let widest = if surface.y > 0.0 {
-        0.95 * surface.x / surface.y.max(1e-6).sqrt()
-    } else {
-        1e3
-    };
+    let widest = fermat_widest(surface);
     let mut k = fermat_start(iris_point, source, surface, n).clamp_length_max(widest);
     let mut residual = fermat_residual(k, iris_point, source, surface, n);
     let mut error = residual.gradient.length_squared();
-    let mut iterations = 0;
-    let mut shrink = 1.0;
+    let (mut iterations, mut share) = (0, 1.0);
     while iterations < steps && error >= enough {
         iterations += 1;
-        let candidate = (k + shrink * newton_step(&residual)).clamp_length_max(widest);
+        let candidate = (k + share * newton_step(&residual)).clamp_length_max(widest);
         let attempt = fermat_residual(candidate, iris_point, source, surface, n);
         let attempt_error = attempt.gradient.length_squared();
         if attempt_error < error {
-            (k, residual, error, shrink) = (candidate, attempt, attempt_error, 1.0);
+            (k, residual, error, share) = (candidate, attempt, attempt_error, 1.0);
         } else {
-            shrink *= 0.5;
+            share *= 0.5;
         }
     }
+    conclude(k, &residual, iterations, source, surface)
+}
+
+fn conclude(
+    k: DVec2,
+    residual: &FermatResidual,
+    iterations: u32,
+    source: &FermatSource,
+    surface: DVec2,
+) -> FermatSolution {
     let entry = k.extend(conicoid_sag(k.length(), surface.x, surface.y));
-    let h = residual.hessian;
     FermatSolution {
         entry,
-        residual: error.sqrt(),
+        residual: residual.gradient.length(),
         iterations,
         faces_light: conicoid_normal(entry, surface.x, surface.y).dot(source.from(entry)) > 0.0,
-        curvature: h.x * h.z - h.y * h.y,
+        curvature: residual.curvature(),
     }
+}
+
+/// [`fermat_solve_from`] and, where that has not come to a shortest path that faces the source, a
+/// search: minimisation of the path, from the same start and then from the most promising places of
+/// a grid over the cornea. `None` where that finds nothing either: no light arrives. For tables and
+/// references; a dark place costs 0.1 ms.
+pub fn fermat_solve_surely(
+    iris_point: DVec3,
+    source: &FermatSource,
+    surface: DVec2,
+    n: f64,
+) -> Option<FermatSolution> {
+    let sound = |found: &FermatSolution| {
+        found.residual < 1e-9 && found.curvature > 0.0 && found.faces_light
+    };
+    let newton = fermat_solve_from(iris_point, source, surface, n, 8 * FERMAT_STEPS, 1e-28);
+    if sound(&newton) {
+        return Some(newton);
+    }
+    let widest = fermat_widest(surface);
+    let mut starts: Vec<(f64, DVec2)> = (0..16)
+        .flat_map(|ring| (0..32).map(move |turn| (ring, turn)))
+        .map(|(ring, turn)| {
+            let radius = widest * (f64::from(ring) + 0.5) / 16.0;
+            let k = radius * DVec2::from_angle(f64::from(turn) * core::f64::consts::TAU / 32.0);
+            let residual = fermat_residual(k, iris_point, source, surface, n);
+            let entry = k.extend(conicoid_sag(radius, surface.x, surface.y));
+            let normal = conicoid_normal(entry, surface.x, surface.y);
+            // Away from the light no path begins; where the path is not convex none is shortest.
+            let lit = normal.dot(source.from(entry)) > 0.0 && residual.curvature() > 0.0;
+            let slope = residual.gradient.length_squared();
+            (if lit { slope } else { f64::INFINITY }, k)
+        })
+        .filter(|(slope, _)| slope.is_finite())
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first = fermat_start(iris_point, source, surface, n).clamp_length_max(widest);
+    core::iter::once(first)
+        .chain(starts.into_iter().map(|(_, k)| k).take(8))
+        .map(|start| {
+            let (k, residual, iterations) =
+                fermat_descend(start, newton.iterations, iris_point, source, surface, n);
+            conclude(k, &residual, iterations, source, surface)
+        })
+        .find(sound)
+}
+
+/// How far out the solver looks: off the equator, where the sag has no derivative.
+fn fermat_widest(surface: DVec2) -> f64 {
+    if surface.y > 0.0 {
+        0.95 * surface.x / surface.y.max(1e-6).sqrt()
+    } else {
+        1e3
+    }
+}
+
+/// Minimises the optical path: Newton's step where the path is convex, a step down its slope where
+/// it is not, halved until the path is shorter. Between two such steps the path only falls, so that
+/// it cannot cycle or run to a saddle.
+#[cold]
+fn fermat_descend(
+    start: DVec2,
+    taken: u32,
+    iris_point: DVec3,
+    source: &FermatSource,
+    surface: DVec2,
+    n: f64,
+) -> (DVec2, FermatResidual, u32) {
+    let widest = fermat_widest(surface);
+    let mut k = start;
+    let mut length = fermat_path(k, iris_point, source, surface, n);
+    let mut residual = fermat_residual(k, iris_point, source, surface, n);
+    let mut iterations = taken;
+    for _ in 0..FERMAT_FALLBACK_STEPS {
+        if residual.gradient.length_squared() < 1e-28 {
+            break;
+        }
+        iterations += 1;
+        let h = residual.hessian;
+        let least = 0.5 * (h.x + h.z) - (0.5 * (h.x - h.z)).hypot(h.y);
+        let shift = (1e-3 - least).max(0.0);
+        let convex = FermatResidual {
+            hessian: h + DVec3::new(shift, 0.0, shift),
+            ..residual
+        };
+        let step = newton_step(&convex);
+        let mut share = 1.0;
+        let mut better = None;
+        for _ in 0..30 {
+            let candidate = (k + share * step).clamp_length_max(widest);
+            let tried = fermat_path(candidate, iris_point, source, surface, n);
+            let attempt = fermat_residual(candidate, iris_point, source, surface, n);
+            // Near the minimum the path's length is flat to rounding and the slope decides.
+            let flatter = attempt.gradient.length_squared() < residual.gradient.length_squared();
+            if tried < length || (flatter && tried - length < 1e-14 * length.abs()) {
+                better = Some((candidate, tried, attempt));
+                break;
+            }
+            share *= 0.5;
+        }
+        let Some((candidate, tried, attempt)) = better else {
+            break;
+        };
+        (k, length, residual) = (candidate, tried, attempt);
+    }
+    // The path's length is flat to 1e-8 mm about its minimum; its slope is not.
+    for _ in 0..4 {
+        let candidate = (k + newton_step(&residual)).clamp_length_max(widest);
+        let attempt = fermat_residual(candidate, iris_point, source, surface, n);
+        if attempt.gradient.length_squared() < residual.gradient.length_squared() {
+            (k, residual) = (candidate, attempt);
+        }
+    }
+    (k, residual, iterations)
 }
 
 fn fermat_start(iris_point: DVec3, source: &FermatSource, surface: DVec2, n: f64) -> DVec2 {
@@ -240,16 +379,16 @@ fn fermat_start(iris_point: DVec3, source: &FermatSource, surface: DVec2, n: f64
     fermat_sphere_start(iris_point, source.from(at), surface.x, n)
 }
 
-/// One step of Newton's method from `k`.
+/// Newton's step (mm) from `k`.
 #[inline]
-pub fn fermat_newton(
+pub fn fermat_newton_step(
     k: DVec2,
     iris_point: DVec3,
     source: &FermatSource,
     surface: DVec2,
     n: f64,
 ) -> DVec2 {
-    k + newton_step(&fermat_residual(k, iris_point, source, surface, n))
+    newton_step(&fermat_residual(k, iris_point, source, surface, n))
 }
 
 fn newton_step(residual: &FermatResidual) -> DVec2 {

@@ -7,7 +7,11 @@
 //! **Optics frame** (François et al. 2007): origin at the corneal apex, +z into the eye,
 //! millimetres. **Globe frame**: origin at the globe's centre of rotation, y up, gaze along −z, +x
 //! the patient's right; the same axes moved along z ([`globe::GlobeShape::optics_from_globe`]).
-//! A refracting surface is `DVec2(apical radius R in mm, shape factor p)`.
+//! A refracting surface of the shaders is `DVec2(apical radius R in mm, shape factor p)`; whole eyes
+//! are built of [`surface::Quadric`]s.
+//!
+//! Whole eyes, from surfaces to images: [`surface`] → [`ray_trace`] → [`schematic_eye`] → [`paraxial`],
+//! [`pupil`], [`wavefront`] → [`psf`]; [`traced_blur`] holds the blur disc of [`defocus`] against them.
 
 pub mod caustic;
 pub mod chromatic;

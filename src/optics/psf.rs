@@ -9,6 +9,7 @@
 //! count by the area within. The grid is given in visual angle and the pupil's pixels follow the
 //! wavelength, so that the spreads of several colours add up pixel by pixel.
 
+pub use super::mean_mtf::diffraction_mtf;
 use super::zernike::{ZERNIKE_COUNT, zernike_slopes, zernike_sum};
 use core::f64::consts::{PI, TAU};
 use glam::DVec2;
@@ -410,19 +411,6 @@ impl Mtf {
             })
             .sum::<f64>()
             / 64.0
-    }
-}
-
-/// Modulation transfer of a clear round pupil without aberrations at `cpd` cycles/degree (Goodman,
-/// equation 6-31): `(2/π)(acos û − û √(1 − û²))`, û the frequency over D/λ; 0 beyond.
-pub fn diffraction_mtf(cpd: f64, diameter_mm: f64, wavelength_nm: f64) -> f64 {
-    let cutoff = diameter_mm / (1e-6 * wavelength_nm) * PI / 180.0;
-    let u = (cpd / cutoff).abs();
-    // Also refuses what is not a number.
-    if u < 1.0 {
-        2.0 / PI * (u.acos() - u * ((1.0 - u) * (1.0 + u)).sqrt())
-    } else {
-        0.0
     }
 }
 

@@ -17,9 +17,8 @@
 //! Twin: `shaders/lib/refraction_function.wgsl`.
 
 pub mod domain;
-mod spline;
+pub mod spline;
 
-use super::fermat::{FermatSource, fermat_newton};
 use domain::{FRAME, RefractionEye, frame_a, frame_place};
 use glam::{DVec2, DVec3, Vec2};
 use spline::{Order, prefilter, sites, weights};
@@ -219,6 +218,43 @@ impl RefractionFunction {
         (k.x * along + across * along.perp()).as_dvec2()
     }
 
+    /// The function for one light: half the work of a look-up is done once.
+    pub fn towards(&self, light: DVec3) -> RefractionSlice {
+        match self.size.order {
+            Order::Linear => self.slice::<2>(light),
+            Order::Quadratic => self.slice::<3>(light),
+        }
+    }
+
+    fn slice<const N: usize>(&self, light: DVec3) -> RefractionSlice {
+        let [nt, nb, nw] = self.size.grid;
+        let Obliquity {
+            along,
+            half_tangent,
+        } = Obliquity::of(light);
+        let (row, by_t) = weights::<N>(grade(half_tangent / self.greatest), nt);
+        let mut frame = [0.0; FRAME];
+        let mut values = vec![[0.0_f32; 2]; nb * nw + PADDING];
+        for (i, weight) in by_t.iter().enumerate() {
+            for (sum, value) in frame.iter_mut().zip(&self.frames[row + i]) {
+                *sum += weight * value;
+            }
+            let sheet = &self.values[(row + i) * nb * nw..][..nb * nw];
+            for (sum, value) in values.iter_mut().zip(sheet) {
+                for (sum, value) in sum.iter_mut().zip(value) {
+                    *sum += weight * self.step_mm * f32::from(*value);
+                }
+            }
+        }
+        RefractionSlice {
+            order: self.size.order,
+            grid: [nb, nw],
+            along,
+            frame,
+            values,
+        }
+    }
+
     /// [`Self::entry`] and one step of Newton's method on Snell's law.
     #[inline]
     pub fn polished_entry(&self, place: DVec2, light: DVec3) -> DVec2 {
@@ -228,12 +264,69 @@ impl RefractionFunction {
     /// One step of Newton's method on Snell's law, from any nearby entry point.
     #[inline]
     pub fn polish(&self, entry: DVec2, place: DVec2, light: DVec3) -> DVec2 {
-        let source = FermatSource {
-            direction: light,
-            inverse_distance: 0.0,
-        };
-        let point = place.extend(self.eye.iris_z_mm);
-        fermat_newton(entry, point, &source, self.eye.surface, self.eye.index)
+        entry + self.eye.newton_step(entry, place, light)
+    }
+}
+
+/// A refraction function for one light: its entry points by place alone, as a small table that a
+/// shader can carry.
+#[derive(Clone, Debug)]
+pub struct RefractionSlice {
+    order: Order,
+    grid: [usize; 2],
+    along: Vec2,
+    frame: [f32; FRAME],
+    values: Vec<[f32; 2]>,
+}
+
+impl RefractionSlice {
+    /// Coefficients across and along the light's azimuth.
+    pub fn grid(&self) -> [usize; 2] {
+        self.grid
+    }
+
+    /// Unit azimuth of the light.
+    pub fn along(&self) -> Vec2 {
+        self.along
+    }
+
+    /// The coordinates' coefficients, see [`domain`].
+    pub fn frame(&self) -> &[f32; FRAME] {
+        &self.frame
+    }
+
+    /// Coefficients (along and across the azimuth, mm), row by row.
+    pub fn values(&self) -> &[[f32; 2]] {
+        &self.values[..self.grid[0] * self.grid[1]]
+    }
+
+    /// The entry point `K` (x, y in mm) of the light that reaches `place` (mm).
+    #[inline]
+    pub fn entry(&self, place: DVec2) -> DVec2 {
+        match self.order {
+            Order::Linear => self.look::<2>(place),
+            Order::Quadratic => self.look::<3>(place),
+        }
+    }
+
+    #[inline]
+    fn look<const N: usize>(&self, place: DVec2) -> DVec2 {
+        let [nb, nw] = self.grid;
+        let place = place.as_vec2();
+        let (a, b) = (place.dot(self.along), self.along.perp_dot(place));
+        let (w, beta) = frame_place(&self.frame, a, b.abs());
+        let (column, by_b) = weights::<N>(beta, nb);
+        let (node, by_w) = weights::<N>((w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W)), nw);
+        let mut k = Vec2::ZERO;
+        for (j, weight_b) in by_b.iter().enumerate() {
+            let first = (column + j) * nw + node;
+            let taps: &[[f32; 2]; N] = self.values[first..first + N].try_into().expect("N nodes");
+            for (tap, weight_w) in taps.iter().zip(&by_w) {
+                k += weight_b * weight_w * Vec2::from_array(*tap);
+            }
+        }
+        let across = if b < 0.0 { -k.y } else { k.y };
+        (k.x * self.along + across * self.along.perp()).as_dvec2()
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! In: which eye, its accommodation or refraction, the wavelength. Out: a [`SchematicEye`]: its
 //! refracting surfaces with a stop among them, and its retina, in the optics frame (origin at the
-//! corneal apex, +z into the eye, mm). Sources stand with each eye in [`published`].
+//! corneal apex, +z into the eye, mm). Sources stand with each eye.
 //!
 //! Every eye returns its printed indices at its own reference wavelength, and disperses elsewhere
 //! by [`dispersion`].
@@ -24,6 +24,9 @@ pub const PHOTOPIC_NM: f64 = 555.0;
 pub const GREEN_NM: f64 = 543.0;
 
 /// An eye to trace through.
+///
+/// The constructors keep two promises that the optics of this crate rely on, and so must whoever
+/// assembles one by hand: there is at least one interface, and `stop` counts one of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SchematicEye {
     /// Refracting surfaces from the cornea to the back of the lens, and among them the stop: a plane

@@ -3,6 +3,8 @@
 use super::{SNELL_CALL, between, draw_snell, light, pass, ray, surface, v2, v3};
 use crate::gpu::Twin;
 use glam::DVec2;
+use ocularium::optics::refraction_function::domain::{RefractionEye, frame_place};
+use ocularium::optics::refraction_function::spline;
 use ocularium::optics::{caustic, conicoid, cornea, fermat, globe, snell};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -276,6 +278,52 @@ fn caustic() {
         absolute: 2e-6,
         relative: 5e-6,
         steep_share: 0.003,
+    });
+}
+
+#[test]
+fn refraction_function() {
+    let eye = RefractionEye::default();
+    pass(&Twin {
+        name: "refraction_place",
+        library: &["refraction_function"],
+        call: "let p = refraction_place(x[0], vec3f(x[1], x[2], x[3]), vec3f(x[4], x[5], x[6]), vec3f(x[7], x[8], x[9]), x[10], x[11]); \
+               y[0] = p.x; y[1] = p.y;",
+        draw: &|rng| {
+            let frame = eye.frame(f64::from(between(rng, 0.0, 1.0)));
+            let mut x: Vec<f32> = frame.iter().map(|v| *v as f32).collect();
+            let b = between(rng, 0.0, x[0]);
+            x.extend([between(rng, -4.0, 4.0), b]);
+            x
+        },
+        exact: &|x| {
+            let frame: [f64; 10] = core::array::from_fn(|i| x[i]);
+            let (w, beta) = frame_place(&frame, x[10], x[11]);
+            vec![w, beta]
+        },
+        // The square root at the fold.
+        absolute: 2e-6,
+        relative: 2e-6,
+        steep_share: 0.02,
+    });
+    pass(&Twin {
+        name: "refraction_weights",
+        library: &["refraction_function"],
+        call: "let w = refraction_weights(x[0], u32(x[1])); y[0] = w.x; y[1] = w.y; y[2] = w.z; y[3] = w.w;",
+        draw: &|rng| vec![between(rng, -0.1, 1.1), between(rng, 3.0, 80.0).floor()],
+        exact: &|x| {
+            let (first, w) = spline::weights::<3>(x[0] as f32, x[1] as usize);
+            vec![
+                first as f64,
+                f64::from(w[0]),
+                f64::from(w[1]),
+                f64::from(w[2]),
+            ]
+        },
+        // Where the first index jumps the spline itself is continuous.
+        absolute: 2e-5,
+        relative: 0.0,
+        steep_share: 0.001,
     });
 }
 

@@ -1,6 +1,7 @@
 //! Algorithm 1 of François et al. 2007: the baseline for accuracy and cost, not for use.
 
 use super::super::conicoid::{conicoid_intersect, conicoid_normal};
+use super::FermatSource;
 use glam::{DVec2, DVec3};
 
 /// Where the straight line from the iris along `towards` leaves the eye.
@@ -20,6 +21,10 @@ pub struct DescentSettings {
     pub steps: u32,
     /// Distance (mm) between a plane's best point and the surface that ends the search, ε.
     pub epsilon_mm: f64,
+    /// Scale `α_j` below which the search on a plane ends, ε′ of equation 5. By equation 6 the scale
+    /// is the step divided by the gradient, which vanishes at the goal: the paper gives no value, and
+    /// the default leaves all `N` steps.
+    pub scale_epsilon: f64,
 }
 
 impl Default for DescentSettings {
@@ -29,11 +34,12 @@ impl Default for DescentSettings {
             planes: 20,
             steps: 100,
             epsilon_mm: 1e-3,
+            scale_epsilon: 0.0,
         }
     }
 }
 
-/// Algorithm 1 of François et al. 2007 for a distant light: gradient descent of the optical path on
+/// Algorithm 1 of François et al. 2007: gradient descent of the optical path on
 /// successive tangent planes, with steps of length `α/(j + 1)` (equation 6). Returns the estimate of
 /// `K` and the number of gradient evaluations.
 ///
@@ -41,26 +47,36 @@ impl Default for DescentSettings {
 /// last step, `α/N`. A baseline for accuracy and cost, not for use.
 pub fn fermat_gradient_descent(
     iris_point: DVec3,
-    light_dir: DVec3,
+    source: &FermatSource,
     surface: DVec2,
     n: f64,
     settings: DescentSettings,
 ) -> (DVec3, u32) {
-    let mut entry = fermat_exit(iris_point, light_dir, surface);
+    // K₀⁰: where the straight line from the iris to the source leaves the eye.
+    let to_source = match source.inverse_distance {
+        0.0 => source.direction,
+        q => (source.direction / q - iris_point).normalize_or(source.direction),
+    };
+    let mut entry = fermat_exit(iris_point, to_source, surface);
     let mut evaluations = 0;
     for _ in 0..settings.planes {
         let normal = conicoid_normal(entry, surface.x, surface.y);
         let mut on_plane = entry;
         for j in 0..settings.steps {
-            let gradient = n * (on_plane - iris_point).normalize_or_zero() - light_dir;
+            // Equation 7: the gradient of |CK| + n |KP|, less its part along the normal.
+            let gradient = n * (on_plane - iris_point).normalize_or_zero() - source.from(on_plane);
             let tangential = gradient - gradient.dot(normal) * normal;
             evaluations += 1;
+            let length = tangential.length();
             let step = settings.alpha_mm / f64::from(j + 1);
-            on_plane -= step * tangential.normalize_or_zero();
+            if length == 0.0 || step / length < settings.scale_epsilon {
+                break;
+            }
+            on_plane -= step / length * tangential;
         }
         entry = fermat_exit(
             iris_point,
-            (on_plane - iris_point).normalize_or(light_dir),
+            (on_plane - iris_point).normalize_or(to_source),
             surface,
         );
         if entry.distance(on_plane) < settings.epsilon_mm {

@@ -17,7 +17,7 @@
 //! three depend on θ and, as polynomials in `β² = (b/B)²`, on `b`.
 
 use super::super::conicoid::conicoid_sag;
-use super::super::fermat::fermat_solve;
+use super::super::fermat::{FermatSource, fermat_newton_step, fermat_solve};
 use glam::{DVec2, DVec3};
 
 /// The part of an eye that the refraction function depends on.
@@ -99,6 +99,18 @@ impl RefractionEye {
             cos_incidence: cos_in,
             ray_z: ray.z,
         }
+    }
+
+    /// Newton's step (mm) on Snell's law from a nearby entry point; its length is the error of that
+    /// point to first order.
+    #[inline]
+    pub fn newton_step(&self, entry: DVec2, place: DVec2, light: DVec3) -> DVec2 {
+        let source = FermatSource {
+            direction: light,
+            inverse_distance: 0.0,
+        };
+        let point = place.extend(self.iris_z_mm);
+        fermat_newton_step(entry, point, &source, self.surface, self.index)
     }
 
     /// The entry point for a place of the iris, exactly; `None` where no light arrives, or where it
@@ -333,20 +345,72 @@ impl RefractionEye {
     }
 }
 
-/// `w` and β of a place in a frame: the inverse of the module's formula.
+/// `w` and β of a place in a frame, `a` mm towards the light's azimuth and `b ≥ 0` mm across it: the
+/// inverse of the module's formula.
 #[inline]
-pub fn frame_place(frame: &[f32; FRAME], a: f32, b: f32) -> (f32, f32) {
+pub fn frame_place<T: Float>(frame: &[T; FRAME], a: T, b: T) -> (T, T) {
+    let one = T::one();
+    let (least, narrowest, widest, four) = (T::of(1e-3), T::of(0.1), T::of(1.5), T::of(4.0));
     let beta = b / frame[0];
-    let q = (beta * beta).min(1.5);
+    let q = (beta * beta).min(widest);
     let a0 = frame[1] + q * (frame[2] + q * frame[3]);
     let a1 = frame[4] + q * (frame[5] + q * frame[6]);
-    let kappa = (frame[7] + q * (frame[8] + q * frame[9])).max(1e-3);
-    let share = (a - a0) / (a1 - a0).max(0.1);
-    let root = (kappa * kappa + 4.0 * (1.0 - kappa) * share)
-        .max(0.0)
+    let kappa = (frame[7] + q * (frame[8] + q * frame[9])).max(least);
+    let share = (a - a0) / (a1 - a0).max(narrowest);
+    let root = (kappa * kappa + four * (one - kappa) * share)
+        .max(T::of(0.0))
         .sqrt();
-    (2.0 * share / (kappa + root), beta)
+    ((share + share) / (kappa + root), beta)
 }
+
+/// Single precision for the look-ups, double for their twin.
+pub trait Float:
+    Copy
+    + core::ops::Add<Output = Self>
+    + core::ops::Sub<Output = Self>
+    + core::ops::Mul<Output = Self>
+    + core::ops::Div<Output = Self>
+{
+    /// A constant.
+    fn of(value: f64) -> Self;
+    /// 1.
+    fn one() -> Self;
+    /// The smaller.
+    fn min(self, other: Self) -> Self;
+    /// The larger.
+    fn max(self, other: Self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+}
+
+macro_rules! float {
+    ($t:ty) => {
+        impl Float for $t {
+            #[inline]
+            fn of(value: f64) -> Self {
+                value as $t
+            }
+            #[inline]
+            fn one() -> Self {
+                1.0
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                <$t>::min(self, other)
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                <$t>::max(self, other)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                <$t>::sqrt(self)
+            }
+        }
+    };
+}
+float!(f32);
+float!(f64);
 
 /// `a` of a `w` at a β: the module's formula.
 pub fn frame_a(frame: &Frame, w: f64, beta: f64) -> f64 {
