@@ -88,6 +88,7 @@ impl Effort {
 pub fn measure(effort: &Effort, stopwatch: &mut Stopwatch) -> Result<Vec<Task>, TimingError> {
     let tables = two_point::Tables::new(effort.quick);
     let domain = two_point::measure(stopwatch, &tables, Incidence::Domain, effort.pairs)?;
+    let light = two_point::measure_light(stopwatch, &tables, effort.pairs / 10)?;
     let rim = two_point::measure(stopwatch, &tables, Incidence::Rim, effort.pairs / 10)?;
     let sizes: Vec<usize> = [64, 128, 256, 512, 1024]
         .into_iter()
@@ -95,6 +96,7 @@ pub fn measure(effort: &Effort, stopwatch: &mut Stopwatch) -> Result<Vec<Task>, 
         .collect();
     Ok(vec![
         domain,
+        light,
         rim,
         colour::wavelengths(stopwatch, effort.cases / 10)?,
         colour::table(stopwatch, effort.cases)?,

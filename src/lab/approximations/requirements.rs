@@ -1,7 +1,9 @@
 //! What was asked of the library, beside what a run found.
 
 use super::rows::{ErrorRow, Task};
-use super::two_point::{ALGORITHM_1, POLISHED, RIM_TASK, SOLVER, TABLE, TASK, setting};
+use super::two_point::{
+    ALGORITHM_1, LIGHT_TASK, POLISHED, RIM_TASK, SLICE, SOLVER, TABLE, TASK, setting,
+};
 use crate::optics::fermat::FERMAT_STEPS;
 use crate::optics::refraction_function::domain::RefractionEye;
 use crate::optics::refraction_function::{RefractionFunction, RefractionSize};
@@ -97,7 +99,7 @@ pub fn tables_at_run_time() -> Vec<TableSize> {
     ]
 }
 
-/// What issue 3 asks, by the rows of a run. `more_bytes` are tables outside of the core.
+/// What issue 3 asks, by the rows of a run.
 pub fn requirements(tasks: &[Task]) -> Vec<Requirement> {
     let find = |task: &str, method: &str, parameter: &str| -> Option<&ErrorRow> {
         tasks
@@ -110,6 +112,8 @@ pub fn requirements(tasks: &[Task]) -> Vec<Requirement> {
     let solver = find(TASK, SOLVER, &steps);
     let [small, large] = [RefractionSize::SMALL, RefractionSize::LARGE].map(setting);
     let table = |size: &str| find(TASK, TABLE, size);
+    let lit_solver = find(LIGHT_TASK, SOLVER, &steps);
+    let lit = |size: &str| find(LIGHT_TASK, SLICE, size);
     let ratio = |above: Option<&ErrorRow>, below: Option<&ErrorRow>, of: fn(&ErrorRow) -> f64| {
         Some(of(above?) / of(below?).max(f64::MIN_POSITIVE))
     };
@@ -138,6 +142,16 @@ pub fn requirements(tasks: &[Task]) -> Vec<Requirement> {
         least(
             "large refraction function: times faster than the solver",
             ratio(solver, table(&large), time),
+            10.0,
+        ),
+        least(
+            "small refraction function, light fixed: times faster than the solver",
+            ratio(lit_solver, lit(&small), time),
+            10.0,
+        ),
+        least(
+            "large refraction function, light fixed: times faster than the solver",
+            ratio(lit_solver, lit(&large), time),
             10.0,
         ),
         most(

@@ -6,15 +6,18 @@ use super::rows::{ErrorRow, Task};
 use super::timing::{Stopwatch, TimingError};
 use crate::optics::conicoid::{conicoid_normal, conicoid_sag};
 use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
-use crate::optics::fermat::{FERMAT_STEPS, fermat_solve};
+use crate::optics::fermat::{FERMAT_STEPS, FermatSource, fermat_solve};
 use crate::optics::refraction_function::domain::{EXIT_INCIDENCE_DEG, RefractionEye};
-use crate::optics::refraction_function::{RefractionFunction, RefractionSize};
+use crate::optics::refraction_function::spline::Order;
+use crate::optics::refraction_function::{RefractionFunction, RefractionSize, RefractionSlice};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 /// Name of the task on the refraction function's domain.
 pub const TASK: &str = "two-point";
+/// Name of the task with one light for many places.
+pub const LIGHT_TASK: &str = "two-point-light";
 /// Name of the task on what lies outside of it.
 pub const RIM_TASK: &str = "two-point-rim";
 /// The paper's own solver.
@@ -25,6 +28,12 @@ pub const SOLVER: &str = "solver";
 pub const TABLE: &str = "refraction function";
 /// The same with a step of Newton's method.
 pub const POLISHED: &str = "polished";
+/// Our refraction function with the light fixed.
+pub const SLICE: &str = "one light";
+/// The same with a step of Newton's method.
+pub const POLISHED_SLICE: &str = "one light polished";
+/// Our refraction function with the paper's kind of interpolation.
+pub const LINEAR: &str = "linear";
 /// The paper's refraction function.
 pub const PUBLISHED: &str = "as published";
 
@@ -38,6 +47,9 @@ pub struct Pair {
     /// `K` (mm).
     pub entry: DVec3,
 }
+
+/// The obliquities (degrees) of the lights of [`LIGHT_TASK`]; times are those of the first.
+const LIGHTS_DEG: [f64; 6] = [45.0, 5.0, 20.0, 60.0, 75.0, 85.0];
 
 /// Which exit incidences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,13 +107,15 @@ fn algorithm_1(eye: &RefractionEye, pair: &Pair, planes: u32) -> DVec3 {
         ..DescentSettings::default()
     };
     let point = pair.place.extend(eye.iris_z_mm);
-    fermat_gradient_descent(point, pair.light, eye.surface, eye.index, settings).0
+    let source = FermatSource::distant(pair.light);
+    fermat_gradient_descent(point, &source, eye.surface, eye.index, settings).0
 }
 
 /// The tables that are compared, made once for both tasks.
 pub struct Tables {
     eye: RefractionEye,
     ours: Vec<(String, RefractionFunction)>,
+    linear: Vec<(String, RefractionFunction)>,
     published: Vec<(String, PublishedTable)>,
 }
 
@@ -109,8 +123,10 @@ impl Tables {
     /// Computes all of them for François' eye; the paper's largest (3 MB, seconds) unless `quick`.
     pub fn new(quick: bool) -> Self {
         let eye = RefractionEye::default();
-        let order = RefractionSize::SMALL.order;
-        let size = |grid: [usize; 3]| RefractionSize { grid, order };
+        let size = |grid: [usize; 3]| RefractionSize {
+            grid,
+            order: Order::Quadratic,
+        };
         let sizes = [
             size([9, 5, 9]),
             size([13, 7, 12]),
@@ -127,6 +143,13 @@ impl Tables {
         Self {
             eye,
             ours: sizes
+                .map(|size| (setting(size), RefractionFunction::new(eye, size)))
+                .into(),
+            linear: [sizes[2], sizes[4], sizes[5], sizes[6]]
+                .map(|size| RefractionSize {
+                    order: Order::Linear,
+                    ..size
+                })
                 .map(|size| (setting(size), RefractionFunction::new(eye, size)))
                 .into(),
             published: layouts
@@ -180,6 +203,10 @@ pub fn measure(
         let run = |pair: &Pair| table.entry(pair.place, pair.light);
         rows.push(stopwatch.row((TABLE, name, table.bytes()), &pairs, run, lifted)?);
     }
+    for (name, table) in &tables.linear {
+        let run = |pair: &Pair| table.entry(pair.place, pair.light);
+        rows.push(stopwatch.row((LINEAR, name, table.bytes()), &pairs, run, lifted)?);
+    }
     for (name, table) in &tables.ours {
         let run = |pair: &Pair| table.polished_entry(pair.place, pair.light);
         rows.push(stopwatch.row((POLISHED, name, table.bytes()), &pairs, run, lifted)?);
@@ -200,6 +227,100 @@ pub fn measure(
             "{count} seeded random pairs: cornea R 7.8 mm, p 0.75, index 1.336; iris plane 3.6 mm deep; \
              P and K within the limbus (5.85 mm); lights of the hemisphere; exit incidence {range}; \
              K uniform over the limbus"
+        ),
+        reference: "Snell's law traced forward from K (distance at K in space)".to_owned(),
+        unit: "mm".to_owned(),
+        rows,
+    })
+}
+
+/// A pair of one of several lights.
+struct Lit {
+    pair: Pair,
+    light: usize,
+}
+
+/// Pairs of the domain for the lights of [`LIGHTS_DEG`], `count` of each, one light after another.
+fn lit(eye: &RefractionEye, count: usize) -> Vec<Lit> {
+    let mut random = Pcg64::seed_from_u64(22);
+    let mut out = Vec::with_capacity(count * LIGHTS_DEG.len());
+    for (index, degrees) in LIGHTS_DEG.into_iter().enumerate() {
+        let light = light_at(degrees);
+        let whole = out.len() + count;
+        while out.len() < whole {
+            let radius = eye.limbus_mm * random.random::<f64>().sqrt();
+            let turn = random.random_range(0.0..core::f64::consts::TAU);
+            let k = radius * DVec2::from_angle(turn);
+            let landing = eye.land(k, light);
+            if eye.is_in_domain(k, light) && landing.point.length() <= eye.limbus_mm {
+                let pair = Pair {
+                    place: landing.point,
+                    light,
+                    entry: k.extend(conicoid_sag(radius, eye.surface.x, eye.surface.y)),
+                };
+                out.push(Lit { pair, light: index });
+            }
+        }
+    }
+    out
+}
+
+/// A light at this obliquity, in a direction that no grid prefers.
+fn light_at(degrees: f64) -> DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let (y, x) = 0.7_f64.sin_cos();
+    DVec3::new(x * sin, y * sin, -cos)
+}
+
+/// Measures what many places of one light cost: the refraction function with the light fixed, beside
+/// the function itself and the solver; `count` places a light.
+pub fn measure_light(
+    stopwatch: &mut Stopwatch,
+    tables: &Tables,
+    count: usize,
+) -> Result<Task, TimingError> {
+    let eye = &tables.eye;
+    let cases = lit(eye, count);
+    let error = |case: &Lit, entry: DVec3| entry.distance(case.pair.entry);
+    let lifted = |case: &Lit, k: DVec2| {
+        let sag = conicoid_sag(k.length(), eye.surface.x, eye.surface.y);
+        error(case, k.extend(sag))
+    };
+    let mut rows: Vec<ErrorRow> = Vec::new();
+    for steps in [2, 3, FERMAT_STEPS] {
+        let run = |case: &Lit| {
+            let (point, light) = (case.pair.place.extend(eye.iris_z_mm), case.pair.light);
+            fermat_solve(point, light, eye.surface, eye.index, steps, 1e-26).entry
+        };
+        rows.push(stopwatch.row((SOLVER, steps, 0), &cases, run, error)?);
+    }
+    for (name, table) in &tables.ours {
+        let run = |case: &Lit| table.entry(case.pair.place, case.pair.light);
+        rows.push(stopwatch.row((TABLE, name, table.bytes()), &cases, run, lifted)?);
+    }
+    for (name, table) in &tables.ours {
+        let slices: Vec<RefractionSlice> = LIGHTS_DEG
+            .iter()
+            .map(|degrees| table.towards(light_at(*degrees)))
+            .collect();
+        let bytes = size_of_val(slices[0].values()) + size_of_val(slices[0].frame());
+        let run = |case: &Lit| slices[case.light].entry(case.pair.place);
+        rows.push(stopwatch.row((SLICE, name, bytes), &cases, run, lifted)?);
+        let run = |case: &Lit| {
+            let k = slices[case.light].entry(case.pair.place);
+            table.polish(k, case.pair.place, case.pair.light)
+        };
+        rows.push(stopwatch.row((POLISHED_SLICE, name, bytes), &cases, run, lifted)?);
+    }
+    Ok(Task {
+        name: LIGHT_TASK.to_owned(),
+        title: "The two-point problem for one light".to_owned(),
+        call: "K for one of many places with the same distant light; fixing the light is not in it"
+            .to_owned(),
+        domain: format!(
+            "{count} seeded places of each of {} lights, 5 to 85° from the axis; the rest as in {TASK}; \
+             times at 45°",
+            LIGHTS_DEG.len()
         ),
         reference: "Snell's law traced forward from K (distance at K in space)".to_owned(),
         unit: "mm".to_owned(),
