@@ -55,7 +55,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// About half a minute.
+    /// Three quarters of a minute.
     pub const QUICK: Self = Self {
         pairs: 100_000,
         cases: 20_000,
@@ -63,8 +63,8 @@ impl Effort {
         walks: 10_000,
         grid: 512,
         quick: true,
-        warm_up: Duration::from_millis(20),
-        measurement: Duration::from_millis(50),
+        warm_up: Duration::from_millis(10),
+        measurement: Duration::from_millis(40),
     };
     /// A few minutes.
     pub const FULL: Self = Self {

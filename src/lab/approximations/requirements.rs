@@ -2,7 +2,7 @@
 
 use super::rows::{ErrorRow, Task};
 use super::two_point::{
-    ALGORITHM_1, LIGHT_TASK, POLISHED, RIM_TASK, SLICE, SOLVER, TABLE, TASK, setting,
+    ALGORITHM_1, LIGHT_TASK, POLISHED, RIM_TASK, SEARCH, SLICE, SOLVER, TABLE, TASK, setting,
 };
 use crate::optics::fermat::FERMAT_STEPS;
 use crate::optics::refraction_function::domain::RefractionEye;
@@ -165,6 +165,11 @@ pub fn requirements(tasks: &[Task]) -> Vec<Requirement> {
             0.02,
         ),
         most(
+            "small refraction function, polished: largest error, mm",
+            largest(find(TASK, POLISHED, &small)),
+            1e-4,
+        ),
+        most(
             "large refraction function: bytes",
             bytes(table(&large)),
             300e3,
@@ -183,6 +188,11 @@ pub fn requirements(tasks: &[Task]) -> Vec<Requirement> {
         most(
             "solver: largest error at the rim, mm",
             largest(find(RIM_TASK, SOLVER, &steps)),
+            1e-10,
+        ),
+        most(
+            "solver with search: largest error at the rim, mm",
+            largest(find(RIM_TASK, SEARCH, "all steps")),
             1e-10,
         ),
         most("tables of the core, bytes", Some(core as f64), 1e6),

@@ -6,7 +6,7 @@ use super::rows::{ErrorRow, Task};
 use super::timing::{Stopwatch, TimingError};
 use crate::optics::conicoid::{conicoid_normal, conicoid_sag};
 use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
-use crate::optics::fermat::{FERMAT_STEPS, FermatSource, fermat_solve};
+use crate::optics::fermat::{FERMAT_STEPS, FermatSource, fermat_solve, fermat_solve_surely};
 use crate::optics::refraction_function::domain::{EXIT_INCIDENCE_DEG, RefractionEye};
 use crate::optics::refraction_function::spline::Order;
 use crate::optics::refraction_function::{RefractionFunction, RefractionSize, RefractionSlice};
@@ -24,6 +24,8 @@ pub const RIM_TASK: &str = "two-point-rim";
 pub const ALGORITHM_1: &str = "Algorithm 1";
 /// Ours.
 pub const SOLVER: &str = "solver";
+/// Ours with its search for what Newton's method misses.
+pub const SEARCH: &str = "solver with search";
 /// Our refraction function.
 pub const TABLE: &str = "refraction function";
 /// The same with a step of Newton's method.
@@ -195,6 +197,13 @@ pub fn measure(
         };
         rows.push(stopwatch.row((SOLVER, steps, 0), &pairs, run, error)?);
     }
+    let run = |pair: &Pair| {
+        let point = pair.place.extend(eye.iris_z_mm);
+        let source = FermatSource::distant(pair.light);
+        fermat_solve_surely(point, &source, eye.surface, eye.index)
+            .map_or(DVec3::NAN, |found| found.entry)
+    };
+    rows.push(stopwatch.row((SEARCH, "all steps", 0), &pairs, run, error)?);
     for (name, table) in &tables.published {
         let run = |pair: &Pair| table.entry(pair.place, pair.light);
         rows.push(stopwatch.row((PUBLISHED, name, table.bytes()), &pairs, run, error)?);
