@@ -37,7 +37,7 @@ struct Effort {
 const WHOLE: Effort = Effort {
     refraction_pairs: 1_000_000,
     walks: 50_000,
-    mtf_pupils_mm: &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0],
+    mtf_pupils_mm: &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0],
 };
 
 /// What can be measured.
@@ -112,7 +112,7 @@ impl MeasureTable {
             }
             Self::Mtf => {
                 "Modulation transfer, 0 to 1, of the mean eye (Watson 2013), of diffraction and of a \
-                 traced eye: pupils 1 to 8 mm, 0 to 60 cycles/degree"
+                 traced eye: pupils 1 to 7 mm, 0 to 60 cycles/degree"
             }
             Self::Glare => {
                 "CIE glare function (1/sr), as published and normalised, straylight and integral: \

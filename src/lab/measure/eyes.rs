@@ -18,17 +18,22 @@ pub const SOURCE: &[&str] = &[
     "Liou & Brennan 1997, J. Opt. Soc. Am. A 14, 1684",
     "Atchison 2006, Vision Res. 46, 2236",
     "François, Gautron, Breton & Bouatouch 2007 (one surface)",
-    "Atchison & Smith 2000, Optics of the Human Eye, appendix 3 (published_power_d of Le Grand and Gullstrand)",
+    "Atchison & Smith 2000, Optics of the Human Eye, appendix 3 (published_power_d of Le Grand and \
+     Gullstrand)",
     "Thibos, Ye, Zhang & Bradley 1992, Appl. Opt. 31, 3594 (thibos_1992_difference_d)",
 ];
 
 /// Conventions.
 pub const NOTES: &[&str] = &[
-    "Places (..._z_mm) count from the corneal apex, positive into the eye; all eyes here are centred and the same in every meridian to first order.",
-    "Focal lengths count from the principal points; magnifications of the pupils are relative to the stop.",
-    "refraction_d is the vergence at the corneal apex of light that comes to a focus on the retina: negative in myopia and in an accommodated eye. far_point_z_mm is its reciprocal.",
+    "Places (..._z_mm) count from the corneal apex, positive into the eye; all eyes here are \
+     centred and the same in every meridian to first order.",
+    "Focal lengths count from the principal points; magnifications of the pupils are relative to \
+     the stop.",
+    "refraction_d is the vergence at the corneal apex of light that comes to a focus on the \
+     retina: negative in myopia and in an accommodated eye. far_point_z_mm is its reciprocal.",
     "retina_mm_per_degree is the chief ray's landing place for a distant object near the axis.",
-    "chromatic: refraction_d at each wavelength and its difference from that at wavelength_nm, beside the fit to living eyes of Thibos 1992.",
+    "chromatic: refraction_d at each wavelength and its difference from that at wavelength_nm, \
+     beside the fit to living eyes of Thibos 1992.",
 ];
 
 /// Wavelengths (nm) of the chromatic difference.

@@ -23,16 +23,20 @@ pub const NOTES: &[&str] = &[
     "pupil_diameter_mm is that of the entrance pupil. Modulations run from 0 to 1.",
     "mean_mtf holds for pupils of 2 to 6 mm. It is of white light at its best correction, and \
      leaves out scatter (see the table glare).",
-    "diffraction_mtf and traced_mtf are at 543 nm. traced_mtf is the radial mean of the eye's own \
-     transfer; traced_best_focus_mtf the same with the defocus that leaves the least RMS of the \
-     wavefront, as an eye would be corrected; without the Stiles-Crawford effect.",
+    "diffraction_mtf and traced_mtf are at 543 nm. traced_mtf is the transfer of the eye as \
+     published; traced_best_focus_mtf with its defocus (Zernike c20) corrected, which leaves the \
+     least RMS of the wavefront; both without the Stiles-Crawford effect. The pupil's pixels cost \
+     4e-4 at most.",
 ];
 
 const FREQUENCIES_CPD: [f64; 13] = [
     0.0, 1.0, 2.0, 3.0, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 60.0,
 ];
-/// Pixels to λ/D, the fewest that hold all of the transfer.
-const PIXELS_TO_DETAIL: f64 = 2.0;
+/// Pixels a side of the grid of visual angle.
+const SIZE: usize = 1024;
+/// Its width (arcmin) is a multiple of this, so that it has a sample at every half cycle a degree and
+/// nothing is interpolated.
+const HALF_CYCLE_ARCMIN: f64 = 120.0;
 /// c20, by the OSA's single index.
 const DEFOCUS: usize = 4;
 
@@ -56,10 +60,12 @@ pub struct MtfRow {
     pub null_reasons: NullReasons,
 }
 
-/// Pixels a side: a grid at least a degree and a half wide, so that the transfer has a sample at least
-/// each 0.7 cycles a degree.
-fn grid_size(pupil_mm: f64) -> usize {
-    if pupil_mm <= 4.0 { 512 } else { 1024 }
+/// Pixel (arcmin) of the widest such grid that still holds all of the transfer, with two pixels and
+/// more to λ/D: the wider, the finer it samples the pupil.
+fn pixel_arcmin(pupil_mm: f64) -> f64 {
+    let widest = 60.0 * (0.5e-6 * GREEN_NM / pupil_mm).to_degrees();
+    let narrowest = HALF_CYCLE_ARCMIN / SIZE as f64;
+    narrowest * (widest / narrowest).floor().max(1.0)
 }
 
 /// The traced eye's transfer at one pupil, as it is and with its defocus corrected.
@@ -69,9 +75,7 @@ fn traced(pupil_mm: f64) -> Option<[Result<Mtf, PsfError>; 2]> {
     let mut corrected = wave.coefficients_um;
     corrected[DEFOCUS] = 0.0;
     Some([wave.coefficients_um, corrected].map(|coefficients_um| {
-        let detail_rad = 1e-6 * GREEN_NM / pupil_mm;
-        let pixel_arcmin = 60.0 * (detail_rad / PIXELS_TO_DETAIL).to_degrees();
-        let grid = PsfGrid::new(grid_size(pupil_mm), pixel_arcmin)?;
+        let grid = PsfGrid::new(SIZE, pixel_arcmin(pupil_mm))?;
         let psf = grid.psf(&PupilFunction {
             coefficients_um: &coefficients_um,
             diameter_mm: pupil_mm,
@@ -82,7 +86,8 @@ fn traced(pupil_mm: f64) -> Option<[Result<Mtf, PsfError>; 2]> {
     }))
 }
 
-/// All frequencies at each of these pupils (0.1 to 10 mm; others have no traced transfer).
+/// All frequencies at each of these pupils (mm; beyond 7.9 mm the grid does not hold the traced transfer).
+/// The eye is round, so one orientation stands for all.
 pub fn rows(pupils_mm: &[f64]) -> Vec<MtfRow> {
     let mut rows = Vec::with_capacity(pupils_mm.len() * FREQUENCIES_CPD.len());
     for &pupil_mm in pupils_mm {
@@ -104,7 +109,7 @@ fn row(pupil_mm: f64, frequency_cpd: f64, traced: &Option<[Result<Mtf, PsfError>
     );
     let mut of = |key, which: usize| match traced {
         Some(found) => match &found[which] {
-            Ok(mtf) => known(&mut null_reasons, key, Some(mtf.radial(frequency_cpd)), ""),
+            Ok(mtf) => known(&mut null_reasons, key, Some(mtf.at(frequency_cpd, 0.0)), ""),
             Err(error) => known(&mut null_reasons, key, None, &error.to_string()),
         },
         None => known(

@@ -18,18 +18,26 @@ use serde::Serialize;
 /// Citations.
 pub const SOURCE: &[&str] = &[
     "Mathur, Gehrmann & Atchison 2013, J. Vision 13(6):3 (mathur_2013_ratio)",
-    "François, Gautron, Breton & Bouatouch 2007, section 3 (the two-point problem that is solved for each point of the outline)",
+    "François, Gautron, Breton & Bouatouch 2007, section 3 (the two-point problem that is solved \
+     for each point of the outline)",
     "the patient's cornea, by exact rays through both surfaces",
 ];
 
 /// Conventions.
 pub const NOTES: &[&str] = &[
-    "angle_deg counts from the corneal axis to a distant viewer: horizontally positive to the patient's right, vertically positive up. side says on which side of the eye the viewer stands.",
-    "apparent_width_mm and apparent_height_mm are extents across the line of sight, level and upright; ratio is the extent in the direction of foreshortening over the extent across it; ellipse_ratio is least over greatest diameter of the least-squares ellipse.",
-    "shift_right_mm and shift_up_mm: from where the centre of the pupil would be without a cornea to where it looks to be, in the same plane, to the patient's right and up.",
+    "angle_deg counts from the corneal axis to a distant viewer: horizontally positive to the \
+     patient's right, vertically positive up. side says on which side of the eye the viewer \
+     stands.",
+    "apparent_width_mm and apparent_height_mm are extents across the line of sight, level and \
+     upright; ratio is the extent in the direction of foreshortening over the extent across it; \
+     ellipse_ratio is least over greatest diameter of the least-squares ellipse.",
+    "shift_right_mm and shift_up_mm: from where the centre of the pupil would be without a cornea \
+     to where it looks to be, in the same plane, to the patient's right and up.",
     "flat_disc_ratio is a round hole without a cornea, the cosine of the angle.",
-    "mathur_2013_ratio is 0.99 cos(angle/1.121), the mean of 30 dilated eyes to about 80 degrees, centred on the pupil's axis (5.3 degrees temporal of the line of sight).",
-    "visible_share is the part of the edge that is seen through the clear cornea; extents are those of the whole outline, the rest as if the cornea went on.",
+    "mathur_2013_ratio is 0.99 cos(angle/1.121), the mean of 30 dilated eyes to about 80 degrees, \
+     centred on the pupil's axis (5.3 degrees temporal of the line of sight).",
+    "visible_share is the part of the edge that is seen through the clear cornea; extents are \
+     those of the whole outline, the rest as if the cornea went on.",
 ];
 
 /// Steps of the angle (degrees), and how many to each side.

@@ -3,6 +3,7 @@ use super::*;
 use crate::optics::pupil::{Viewer, entrance_pupil};
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
 use crate::optics::traced_blur::traced_blur;
+use proptest::prelude::*;
 use serde_json::Value;
 
 /// Enough to fill every row.
@@ -558,10 +559,11 @@ fn transfers_have_their_limits() {
         let limit = number(row, "diffraction_mtf");
         for key in ["traced_mtf", "traced_best_focus_mtf"] {
             let modulation = number(row, key);
-            // No aberration raises a transfer; interpolation on the grid costs 1e-3.
-            assert!((0.0..=limit + 1e-3).contains(&modulation), "{key} of {row}");
+            // No aberration raises a transfer; the pupil's pixels cost 4e-4 (a clear pupil on the
+            // same grid, against the closed form).
+            assert!((0.0..=limit + 4e-4).contains(&modulation), "{key} of {row}");
             if pupil == 1.0 {
-                assert!((modulation - limit).abs() < 1e-3, "{key} of {row}");
+                assert!((modulation - limit).abs() < 1e-4, "{key} of {row}");
             }
         }
         assert_eq!(
@@ -778,4 +780,82 @@ fn what_is_not_finite_is_null_with_a_reason() {
     }
     let zero = known(&mut reasons, "x", Some(-0.0), "why");
     assert!(zero.is_some_and(|zero| zero.is_sign_positive()) && reasons.is_empty());
+}
+
+/// Tables of a patient, with next to no work.
+fn quick_tables(eye: &MeasuredEye) -> Vec<Value> {
+    let effort = Effort {
+        refraction_pairs: 50,
+        walks: 2,
+        mtf_pupils_mm: &[],
+    };
+    let own = MeasureTable::ALL
+        .into_iter()
+        .filter(|of| of.is_of_the_patient());
+    own.map(|of| {
+        let text = measure_with(of, eye, effort).expect("serializable");
+        serde_json::from_str(&text).expect("JSON")
+    })
+    .collect()
+}
+
+proptest! {
+    // Each case builds two refraction functions, 40 ms.
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn tables_of_any_patient_are_whole(
+        right_eye in any::<bool>(),
+        ages in (1.0..110.0_f64, 0.0..200.0_f64, 0.0..1.2_f64),
+        anterior in (6.0..10.0_f64, 0.2..1.5_f64),
+        posterior in (5.0..9.0_f64, 0.2..1.5_f64, 0.3..0.9_f64),
+        globe in (5.0..6.5_f64, 2.5..4.5_f64),
+        pupil in (1.0..9.0_f64, -1.0..1.0_f64, -1.0..1.0_f64),
+        pigment in (0.0..0.5_f64, 0.0..0.5_f64, 0.0..1.0_f64),
+    ) {
+        let eye = MeasuredEye {
+            right_eye,
+            age_years: ages.0,
+            lipid_thickness_nm: ages.1,
+            glare_pigment: ages.2,
+            anterior_radius_mm: anterior.0,
+            // The surface reaches the limbus, as the patient file asks.
+            anterior_shape_factor: anterior.1.min((anterior.0 / (1.06 * globe.0)).powi(2)),
+            posterior_radius_mm: posterior.0,
+            posterior_shape_factor: posterior.1.min((posterior.0 / (1.02 * globe.0)).powi(2)),
+            corneal_thickness_mm: posterior.2,
+            limbus_radius_mm: globe.0,
+            iris_depth_mm: globe.1,
+            pupil_diameter_mm: pupil.0,
+            pupil_nasal_mm: pupil.1,
+            pupil_superior_mm: pupil.2,
+            stroma_melanin_fraction: pigment.0,
+            border_layer_melanin_fraction: pigment.1,
+            eumelanin_ratio: pigment.2,
+            ..MeasuredEye::default()
+        };
+        for table in quick_tables(&eye) {
+            check(&table, "table");
+        }
+    }
+
+    #[test]
+    fn nonsense_does_not_panic(
+        a in prop::num::f64::ANY, b in prop::num::f64::ANY, c in prop::num::f64::ANY,
+        d in prop::num::f64::ANY, e in prop::num::f64::ANY,
+    ) {
+        let eye = MeasuredEye {
+            age_years: a,
+            anterior_radius_mm: a,
+            anterior_shape_factor: b,
+            posterior_radius_mm: c,
+            limbus_radius_mm: d,
+            iris_depth_mm: e,
+            pupil_diameter_mm: b,
+            stroma_melanin_fraction: c,
+            lipid_thickness_nm: d,
+            ..MeasuredEye::default()
+        };
+        prop_assert_eq!(quick_tables(&eye).len(), 5);
+    }
 }
