@@ -45,7 +45,8 @@ pub const NOTES: &[&str] = &[
      incidence, but nearer to a fold. zone rim: exit incidence of 80 to 90 degrees.",
     "Errors are distances at K in the plane across the axis (mm). Those of small and large are from \
      the two-point solver; those of size solver are the solver's own, on pairs traced forward (K \
-     uniform over the disc of the limbus, P where Snell's law sends the light).",
+     uniform over the disc of the limbus, P where Snell's law sends the light). Near folds several K \
+     may lead to one P, and the solver's is one of them.",
     "polishing_steps: Newton steps on Snell's law after the look-up.",
     "caustic: brightest place of the iris for a distant light, relative to the same light on the \
      bare iris plane (peak_of_bare_plane) and to a plane across the beam (peak_of_beam), Fresnel \
@@ -54,7 +55,7 @@ pub const NOTES: &[&str] = &[
 
 /// Seed of the pairs.
 const SEED: u64 = 20_070_501;
-/// Pairs drawn for each one wanted before giving up: ordinary corneas keep half and more.
+/// Pairs drawn for each one wanted before giving up, so that a cornea that keeps few takes no longer.
 const DRAWS_PER_PAIR: usize = 4;
 /// Steps of the solver and its squared residual.
 const SOLVER_STEPS: u32 = 40;
