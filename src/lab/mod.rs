@@ -7,4 +7,5 @@ pub mod errors;
 pub mod files;
 pub mod headless;
 pub mod image_difference;
+pub mod measure;
 pub mod render;
