@@ -224,13 +224,13 @@ impl RefractionFunction {
             // Four nodes at once, of which the last has no weight.
             let (mut sums_a, mut sums_b) = ([0.0_f32; 4], [0.0_f32; 4]);
             let first = (rows[l] * nb + columns[l]) * nw + nodes[l];
-            for i in 0..N {
-                for j in 0..N {
+            for (i, by_t) in by_t.iter().enumerate() {
+                for (j, by_b) in by_b.iter().enumerate() {
                     let first = first + (i * nb + j) * nw;
                     let taps: &[u32; 4] = self.values[first..first + 4]
                         .try_into()
                         .expect("four nodes");
-                    let weight = by_t[i][l] * by_b[j][l];
+                    let weight = by_t[l] * by_b[l];
                     for m in 0..4 {
                         let [a, b] = unpack(taps[m]);
                         sums_a[m] += weight * a;
@@ -380,12 +380,12 @@ impl RefractionSlice {
         for l in 0..L {
             let first = columns[l] * nw + nodes[l];
             let mut k = [0.0_f32; 2];
-            for j in 0..N {
+            for (j, by_b) in by_b.iter().enumerate() {
                 let taps: &[[f32; 2]; N] = self.values[first + j * nw..first + j * nw + N]
                     .try_into()
                     .expect("N nodes");
                 for m in 0..N {
-                    let weight = by_b[j][l] * by_w[m][l];
+                    let weight = by_b[l] * by_w[m][l];
                     k[0] += weight * taps[m][0];
                     k[1] += weight * taps[m][1];
                 }
