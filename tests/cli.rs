@@ -1,5 +1,6 @@
 //! The program itself: what it prints, how it ends, and one sentence for every bad input.
 
+mod measure;
 mod results;
 
 use image::{Rgb, RgbImage};

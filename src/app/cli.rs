@@ -1,17 +1,20 @@
 //! The command line.
 
 use super::Session;
-use crate::anatomy::{PRESETS, load_patient};
+use crate::anatomy::{IrisColor, Laterality, PRESETS, PatientFile, load_patient};
 use crate::appearance::EyeOrbit;
+use crate::lab::files::{WriteError, prepare_folder, write_whole};
+use crate::lab::measure::{MeasureTable, MeasuredEye, measure};
 use crate::lab::render::{PanelChoice, RenderReport, RenderRequest, layout, render};
 use crate::percept::{ViewOptions, fast};
 use crate::scene::catalog::{BuiltIn, SceneSource};
 use crate::scene::photo::{decode_image, read_file};
 use bevy::math::UVec2;
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::error::Error;
 use std::io::{BufWriter, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,6 +57,13 @@ enum Command {
     Features(FeatureArgs),
     /// Measures speed and error; writes CSV, plots and a summary into a folder.
     Bench(BenchArgs),
+    /// Computes a table of the eye's optics or tissue; prints JSON.
+    ///
+    /// Units stand in the keys, sources and conventions at the top; the same table is the same bytes
+    /// each time. A number that does not exist is null, and null_reasons beside it says why. --patient
+    /// acts on pupil-ratio, refraction-function, glare, tissue and tear-film; eyes, blur-disc and mtf
+    /// are of published eyes and do not depend on it.
+    Measure(MeasureArgs),
     /// Lists the built-in patients.
     Patients,
     /// Lists the built-in scenes.
@@ -128,6 +138,26 @@ struct BenchArgs {
     /// The folder for CSV, plots and the summary.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+}
+
+#[derive(Args)]
+struct MeasureArgs {
+    /// What to measure.
+    #[arg(value_enum)]
+    table: MeasureTable,
+    /// A file for the table in place of standard output; its folder is made if it is not there.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl ValueEnum for MeasureTable {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.description()))
+    }
 }
 
 fn parse_size(text: &str) -> Result<UVec2, String> {
@@ -208,6 +238,7 @@ fn obey(cli: Cli) -> Result<ExitCode, Box<dyn Error>> {
         Some(Command::Bench(arguments)) => {
             crate::lab::bench::run(&arguments.out, arguments.quick)?;
         }
+        Some(Command::Measure(arguments)) => measure_command(&cli.shown, &arguments)?,
         Some(Command::Patients) => {
             let mut out = std::io::stdout().lock();
             for preset in PRESETS {
@@ -311,7 +342,7 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
     Ok(conclude(&report, &arguments.out))
 }
 
-fn conclude(report: &RenderReport, out: &std::path::Path) -> ExitCode {
+fn conclude(report: &RenderReport, out: &Path) -> ExitCode {
     eprintln!(
         "{} frame{}, trace.csv and report.json in {} ({}; {:.0} ms a frame)",
         report.frames,
@@ -325,6 +356,69 @@ fn conclude(report: &RenderReport, out: &std::path::Path) -> ExitCode {
         return ExitCode::from(130);
     }
     ExitCode::SUCCESS
+}
+
+fn measure_command(shown: &Shown, arguments: &MeasureArgs) -> Result<(), Box<dyn Error>> {
+    let eye = measured_eye(&load_patient(&shown.patient)?);
+    let Some(file) = &arguments.out else {
+        let text = measure(arguments.table, &eye)?;
+        return Ok(say(&mut std::io::stdout().lock(), &text)?);
+    };
+    prepare_file(file)?;
+    let text = measure(arguments.table, &eye)? + "\n";
+    write_whole(file, text.as_bytes())?;
+    eprintln!("{} in {}", arguments.table.name(), file.display());
+    Ok(())
+}
+
+/// Makes the folder of a file, and sees that the file can be written, before any work is spent on it.
+fn prepare_file(file: &Path) -> Result<(), WriteError> {
+    let refused = |reason: String| WriteError {
+        path: file.display().to_string(),
+        reason,
+    };
+    // Replacing a folder fails late; replacing a device would be worse.
+    let other = std::fs::metadata(file).is_ok_and(|found| !found.is_file());
+    if other || file.file_name().is_none() {
+        return Err(refused("it is not a file".into()));
+    }
+    let folder = match file.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    prepare_folder(folder).map_err(|error| refused(error.reason))
+}
+
+/// What of a patient is measured.
+fn measured_eye(patient: &PatientFile) -> MeasuredEye {
+    let (eye, cornea, iris, pupil, ..) = patient.components();
+    MeasuredEye {
+        name: patient.name.clone(),
+        right_eye: eye.laterality == Laterality::OD,
+        age_years: eye.age_years,
+        anterior_radius_mm: cornea.anterior_radius_mm,
+        anterior_shape_factor: cornea.anterior_p,
+        posterior_radius_mm: cornea.posterior_radius_mm,
+        posterior_shape_factor: cornea.posterior_p,
+        corneal_thickness_mm: cornea.thickness_mm,
+        cornea_index: cornea.index,
+        aqueous_index: cornea.aqueous_index,
+        limbus_radius_mm: cornea.limbus_radius_mm,
+        iris_depth_mm: iris.depth_mm,
+        pupil_diameter_mm: pupil.diameter_mm,
+        pupil_nasal_mm: pupil.decentration_mm[0],
+        pupil_superior_mm: pupil.decentration_mm[1],
+        stroma_melanin_fraction: iris.stroma_melanin_fraction,
+        border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
+        eumelanin_ratio: iris.eumelanin_ratio,
+        // The pigmentation factors of CIE 135/1-1999.
+        glare_pigment: match patient.iris_color {
+            IrisColor::Brown => 0.5,
+            IrisColor::Green => 1.0,
+            IrisColor::Blue => 1.2,
+        },
+        lipid_thickness_nm: cornea.lipid_thickness_nm,
+    }
 }
 
 fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {

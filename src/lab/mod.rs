@@ -8,4 +8,5 @@ pub mod files;
 pub mod headless;
 pub mod image_difference;
 pub mod irradiance;
+pub mod measure;
 pub mod render;

@@ -21,7 +21,7 @@ pub mod spline;
 
 use domain::{FRAME, RefractionEye, frame_a, frame_place};
 use glam::{DVec2, DVec3, Vec2};
-use spline::{Order, prefilter, sites, weights};
+use spline::{Order, lane_weights, least, prefilter, sites, weights};
 
 /// Size of a refraction function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +49,10 @@ impl RefractionSize {
 const GRADING: f32 = 1.5;
 /// The grid starts a little outside of the domain, in the rim of grazing light.
 const LOWEST_W: f32 = -0.05;
+/// Look-ups that [`RefractionFunction::entries`] does at once.
+const LANES: usize = 16;
+/// A frame, filled up to three vectors of four numbers.
+const PADDED_FRAME: usize = 12;
 /// Nodes that a row of taps may read past the last.
 const PADDING: usize = 2;
 
@@ -57,40 +61,13 @@ const PADDING: usize = 2;
 pub struct RefractionFunction {
     eye: RefractionEye,
     size: RefractionSize,
-    frames: Vec<[f32; FRAME]>,
-    values: Vec<[i16; 2]>,
-    /// Millimetres of a step of the 16-bit values.
+    frames: Vec<[f32; PADDED_FRAME]>,
+    /// Along (high half) and across (low half) the azimuth, 16 bits each.
+    values: Vec<u32>,
+    /// Millimetres of one of the values' numbers, which [`unpack`] gives times 2¹⁶.
     step_mm: f32,
     /// The grid's greatest obliquity, as tan(θ/2).
     greatest: f32,
-}
-
-/// Where a distant light stands, seen along the light's own azimuth.
-#[derive(Clone, Copy, Debug)]
-struct Obliquity {
-    /// Unit azimuth.
-    along: Vec2,
-    /// tan(θ/2), 0 on the axis, 1 at 90°.
-    half_tangent: f32,
-}
-
-impl Obliquity {
-    #[inline]
-    fn of(light: DVec3) -> Self {
-        let across = Vec2::new(light.x as f32, light.y as f32);
-        let squared = across.length_squared();
-        if squared < 1e-12 {
-            return Self {
-                along: Vec2::X,
-                half_tangent: 0.0,
-            };
-        }
-        let sine = squared.sqrt();
-        Self {
-            along: across / sine,
-            half_tangent: (sine / (1.0 - light.z as f32)).min(1.0),
-        }
-    }
 }
 
 impl RefractionFunction {
@@ -132,20 +109,22 @@ impl RefractionFunction {
         numbers = prefilter(size.order, &numbers, [nt * nb, nw, 2]);
         let largest = numbers.iter().fold(1.0_f64, |most, v| most.max(v.abs()));
         let step = largest / f64::from(i16::MAX);
-        let mut values: Vec<[i16; 2]> = numbers
-            .chunks_exact(2)
-            .map(|pair| [pair[0], pair[1]].map(|v| (v / step).round() as i16))
+        let mut values: Vec<u32> = numbers
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .map(|pair| pack(pair.map(|v| (v / step).round() as i16)))
             .collect();
-        values.extend([[0; 2]; PADDING]);
+        values.extend([0; PADDING]);
         Self {
             eye,
             size,
             frames: frames
                 .chunks_exact(FRAME)
-                .map(|frame| core::array::from_fn(|i| frame[i] as f32))
+                .map(|frame| core::array::from_fn(|i| frame.get(i).map_or(0.0, |v| *v as f32)))
                 .collect(),
             values,
-            step_mm: step as f32,
+            step_mm: (step / 65_536.0) as f32,
             greatest: greatest as f32,
         }
     }
@@ -170,52 +149,108 @@ impl RefractionFunction {
     /// of the domain it extrapolates.
     #[inline]
     pub fn entry(&self, place: DVec2, light: DVec3) -> DVec2 {
-        match self.size.order {
-            Order::Linear => self.look::<2>(place, light),
-            Order::Quadratic => self.look::<3>(place, light),
+        let [entry] = match self.size.order {
+            Order::Linear => self.look::<2, 1>(&[(place, light)]),
+            Order::Quadratic => self.look::<3, 1>(&[(place, light)]),
+        };
+        entry
+    }
+
+    /// [`Self::entry`] of many pairs of a place and a light, into `entries`: sixteen at a time, so that
+    /// no look-up waits for the roots and quotients of the one before. Stops at the shorter of the
+    /// two slices.
+    pub fn entries(&self, pairs: &[(DVec2, DVec3)], entries: &mut [DVec2]) {
+        let count = pairs.len().min(entries.len());
+        let (pairs, entries) = (&pairs[..count], &mut entries[..count]);
+        let (groups, rest) = pairs.as_chunks::<LANES>();
+        let (groups_out, rest_out) = entries.as_chunks_mut::<LANES>();
+        for (pairs, out) in groups.iter().zip(groups_out) {
+            *out = match self.size.order {
+                Order::Linear => self.look::<2, LANES>(pairs),
+                Order::Quadratic => self.look::<3, LANES>(pairs),
+            };
+        }
+        for ((place, light), out) in rest.iter().zip(rest_out) {
+            *out = self.entry(*place, *light);
         }
     }
 
+    /// `L` look-ups with `N` taps a coordinate, stage by stage and without branches, so that the
+    /// compiler does a stage of several look-ups in one instruction.
     #[inline]
-    fn look<const N: usize>(&self, place: DVec2, light: DVec3) -> DVec2 {
+    fn look<const N: usize, const L: usize>(&self, pairs: &[(DVec2, DVec3); L]) -> [DVec2; L] {
         let [nt, nb, nw] = self.size.grid;
-        let Obliquity {
-            along,
-            half_tangent,
-        } = Obliquity::of(light);
-        let place = place.as_vec2();
-        let (a, b) = (place.dot(along), along.perp_dot(place));
-        let (row, by_t) = weights::<N>(grade(half_tangent / self.greatest), nt);
-        let mut frame = [0.0; FRAME];
-        for (weight, row) in by_t.iter().zip(&self.frames[row..row + N]) {
-            for (sum, value) in frame.iter_mut().zip(row) {
-                *sum += weight * value;
-            }
+        let scale = 1.0 / self.greatest;
+        let (mut along_x, mut along_y) = ([0.0_f32; L], [0.0_f32; L]);
+        let (mut a, mut b, mut obliquity) = ([0.0_f32; L], [0.0_f32; L], [0.0_f32; L]);
+        for l in 0..L {
+            let (place, light) = pairs[l];
+            // On the axis any azimuth will do; this makes it +x.
+            let (x, y) = (light.x as f32 + 1e-9, light.y as f32);
+            let squared = x * x + y * y;
+            let inverse = 1.0 / squared.sqrt();
+            along_x[l] = x * inverse;
+            along_y[l] = y * inverse;
+            let half_tangent = squared * inverse / (1.0 - light.z as f32);
+            let (px, py) = (place.x as f32, place.y as f32);
+            a[l] = px * along_x[l] + py * along_y[l];
+            b[l] = py * along_x[l] - px * along_y[l];
+            obliquity[l] = grade(least(half_tangent * scale, 1.0));
         }
-        let (w, beta) = frame_place(&frame, a, b.abs());
-        let (column, by_b) = weights::<N>(beta, nb);
-        let (node, by_w) = weights::<N>((w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W)), nw);
-        // Four nodes of both numbers at once: the compiler makes two vectors of four of them.
-        let mut sums = [0.0_f32; 8];
-        for (i, weight_t) in by_t.iter().enumerate() {
-            for (j, weight_b) in by_b.iter().enumerate() {
-                let first = ((row + i) * nb + column + j) * nw + node;
-                let taps: &[[i16; 2]; 4] = self.values[first..first + 4]
-                    .try_into()
-                    .expect("four nodes");
-                let weight = weight_t * weight_b;
-                for (sum, value) in sums.iter_mut().zip(taps.as_flattened()) {
-                    *sum += weight * f32::from(*value);
+        let (rows, by_t) = lane_weights::<N, L>(&obliquity, nt);
+        let mut frames = [[0.0_f32; L]; FRAME];
+        for l in 0..L {
+            let mut frame = [0.0_f32; PADDED_FRAME];
+            for (i, row) in self.frames[rows[l]..rows[l] + N].iter().enumerate() {
+                for (sum, value) in frame.iter_mut().zip(row) {
+                    *sum += by_t[i][l] * value;
                 }
             }
+            for (lanes, value) in frames.iter_mut().zip(frame) {
+                lanes[l] = value;
+            }
         }
-        let mut k = Vec2::ZERO;
-        for (m, weight) in by_w.iter().enumerate() {
-            k += *weight * Vec2::new(sums[2 * m], sums[2 * m + 1]);
+        let (mut across, mut beta) = ([0.0_f32; L], [0.0_f32; L]);
+        for l in 0..L {
+            let frame = core::array::from_fn(|i| frames[i][l]);
+            let (w, share) = frame_place(&frame, a[l], b[l].abs());
+            across[l] = (w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W));
+            beta[l] = share;
         }
-        k *= self.step_mm;
-        let across = if b < 0.0 { -k.y } else { k.y };
-        (k.x * along + across * along.perp()).as_dvec2()
+        let (columns, by_b) = lane_weights::<N, L>(&beta, nb);
+        let (nodes, by_w) = lane_weights::<N, L>(&across, nw);
+        let mut entries = [DVec2::ZERO; L];
+        for l in 0..L {
+            // Four nodes at once, of which the last has no weight.
+            let (mut sums_a, mut sums_b) = ([0.0_f32; 4], [0.0_f32; 4]);
+            let first = (rows[l] * nb + columns[l]) * nw + nodes[l];
+            for (i, by_t) in by_t.iter().enumerate() {
+                for (j, by_b) in by_b.iter().enumerate() {
+                    let first = first + (i * nb + j) * nw;
+                    let taps: &[u32; 4] = self.values[first..first + 4]
+                        .try_into()
+                        .expect("four nodes");
+                    let weight = by_t[l] * by_b[l];
+                    for m in 0..4 {
+                        let [a, b] = unpack(taps[m]);
+                        sums_a[m] += weight * a;
+                        sums_b[m] += weight * b;
+                    }
+                }
+            }
+            let mut k = [0.0_f32; 2];
+            for m in 0..N {
+                k[0] += by_w[m][l] * sums_a[m];
+                k[1] += by_w[m][l] * sums_b[m];
+            }
+            let ka = k[0] * self.step_mm;
+            let kb = k[1] * self.step_mm * 1.0_f32.copysign(b[l]);
+            entries[l] = DVec2::new(
+                f64::from(ka * along_x[l] - kb * along_y[l]),
+                f64::from(ka * along_y[l] + kb * along_x[l]),
+            );
+        }
+        entries
     }
 
     /// The function for one light: half the work of a look-up is done once.
@@ -228,11 +263,11 @@ impl RefractionFunction {
 
     fn slice<const N: usize>(&self, light: DVec3) -> RefractionSlice {
         let [nt, nb, nw] = self.size.grid;
-        let Obliquity {
-            along,
-            half_tangent,
-        } = Obliquity::of(light);
-        let (row, by_t) = weights::<N>(grade(half_tangent / self.greatest), nt);
+        let across = Vec2::new(light.x as f32 + 1e-9, light.y as f32);
+        let sine = across.length();
+        let along = across / sine;
+        let half_tangent = sine / (1.0 - light.z as f32);
+        let (row, by_t) = weights::<N>(grade((half_tangent / self.greatest).min(1.0)), nt);
         let mut frame = [0.0; FRAME];
         let mut values = vec![[0.0_f32; 2]; nb * nw + PADDING];
         for (i, weight) in by_t.iter().enumerate() {
@@ -241,9 +276,9 @@ impl RefractionFunction {
             }
             let sheet = &self.values[(row + i) * nb * nw..][..nb * nw];
             for (sum, value) in values.iter_mut().zip(sheet) {
-                for (sum, value) in sum.iter_mut().zip(value) {
-                    *sum += weight * self.step_mm * f32::from(*value);
-                }
+                let [a, b] = unpack(*value);
+                sum[0] += weight * self.step_mm * a;
+                sum[1] += weight * self.step_mm * b;
             }
         }
         RefractionSlice {
@@ -303,31 +338,77 @@ impl RefractionSlice {
     /// The entry point `K` (x, y in mm) of the light that reaches `place` (mm).
     #[inline]
     pub fn entry(&self, place: DVec2) -> DVec2 {
-        match self.order {
-            Order::Linear => self.look::<2>(place),
-            Order::Quadratic => self.look::<3>(place),
+        let [entry] = match self.order {
+            Order::Linear => self.look::<2, 1>(&[place]),
+            Order::Quadratic => self.look::<3, 1>(&[place]),
+        };
+        entry
+    }
+
+    /// [`Self::entry`] of many places, into `entries`, sixteen at a time. Stops at the shorter of
+    /// the two slices.
+    pub fn entries(&self, places: &[DVec2], entries: &mut [DVec2]) {
+        let count = places.len().min(entries.len());
+        let (groups, rest) = places[..count].as_chunks::<LANES>();
+        let (groups_out, rest_out) = entries[..count].as_chunks_mut::<LANES>();
+        for (places, out) in groups.iter().zip(groups_out) {
+            *out = match self.order {
+                Order::Linear => self.look::<2, LANES>(places),
+                Order::Quadratic => self.look::<3, LANES>(places),
+            };
+        }
+        for (place, out) in rest.iter().zip(rest_out) {
+            *out = self.entry(*place);
         }
     }
 
     #[inline]
-    fn look<const N: usize>(&self, place: DVec2) -> DVec2 {
+    fn look<const N: usize, const L: usize>(&self, places: &[DVec2; L]) -> [DVec2; L] {
         let [nb, nw] = self.grid;
-        let place = place.as_vec2();
-        let (a, b) = (place.dot(self.along), self.along.perp_dot(place));
-        let (w, beta) = frame_place(&self.frame, a, b.abs());
-        let (column, by_b) = weights::<N>(beta, nb);
-        let (node, by_w) = weights::<N>((w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W)), nw);
-        let mut k = Vec2::ZERO;
-        for (j, weight_b) in by_b.iter().enumerate() {
-            let first = (column + j) * nw + node;
-            let taps: &[[f32; 2]; N] = self.values[first..first + N].try_into().expect("N nodes");
-            for (tap, weight_w) in taps.iter().zip(&by_w) {
-                k += weight_b * weight_w * Vec2::from_array(*tap);
-            }
+        let (mut across, mut beta, mut side) = ([0.0_f32; L], [0.0_f32; L], [0.0_f32; L]);
+        for l in 0..L {
+            let (x, y) = (places[l].x as f32, places[l].y as f32);
+            let a = x * self.along.x + y * self.along.y;
+            side[l] = y * self.along.x - x * self.along.y;
+            let (w, share) = frame_place(&self.frame, a, side[l].abs());
+            across[l] = (w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W));
+            beta[l] = share;
         }
-        let across = if b < 0.0 { -k.y } else { k.y };
-        (k.x * self.along + across * self.along.perp()).as_dvec2()
+        let (columns, by_b) = lane_weights::<N, L>(&beta, nb);
+        let (nodes, by_w) = lane_weights::<N, L>(&across, nw);
+        let mut entries = [DVec2::ZERO; L];
+        for l in 0..L {
+            let first = columns[l] * nw + nodes[l];
+            let mut k = [0.0_f32; 2];
+            for (j, by_b) in by_b.iter().enumerate() {
+                let taps: &[[f32; 2]; N] = self.values[first + j * nw..first + j * nw + N]
+                    .try_into()
+                    .expect("N nodes");
+                for m in 0..N {
+                    let weight = by_b[l] * by_w[m][l];
+                    k[0] += weight * taps[m][0];
+                    k[1] += weight * taps[m][1];
+                }
+            }
+            let kb = k[1] * 1.0_f32.copysign(side[l]);
+            entries[l] = DVec2::new(
+                f64::from(k[0] * self.along.x - kb * self.along.y),
+                f64::from(k[0] * self.along.y + kb * self.along.x),
+            );
+        }
+        entries
     }
+}
+
+/// Two 16-bit numbers in one word.
+fn pack([a, b]: [i16; 2]) -> u32 {
+    u32::from(a.cast_unsigned()) << 16 | u32::from(b.cast_unsigned())
+}
+
+/// The two numbers, each times 2¹⁶: shifting them to the top half keeps the sign for nothing.
+#[inline(always)]
+fn unpack(word: u32) -> [f32; 2] {
+    [word & 0xffff_0000, word << 16].map(|half| half.cast_signed() as f32)
 }
 
 /// The grid's first coordinate, denser towards 90°.

@@ -132,7 +132,7 @@ pub fn traced_blur(
     let focus = -constants.refraction_at_entrance_pupil_d();
     let object = ObjectPoint::default();
     let best = trace_wavefront(&open, pupil_diameter_mm, object)
-        .map_or(at_pupil, |wave| -wave.power_vector()[0]);
+        .map_or(at_pupil, |wave| -wave.power_vector().m_d);
     Some(TracedBlur {
         extent_rad: 2.0 * extent * scale,
         rms_disc_rad: (8.0 * second_moment).sqrt() * scale,

@@ -16,11 +16,12 @@
 
 mod fit;
 
+use super::defocus::PowerVector;
 use super::paraxial::{Meridian, Paraxial, paraxial};
 use super::pupil::search::{find, search_start};
 use super::ray_trace::{Ray, Traced, trace_out_of};
 use super::schematic_eye::SchematicEye;
-use super::zernike::{ZERNIKE_COUNT, power_vector_from_zernike, zernike_rms};
+use super::zernike::{ZERNIKE_COUNT, refraction_from_zernike, zernike_rms};
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 
@@ -103,24 +104,33 @@ impl Wavefront {
         zernike_rms(&self.coefficients_um, from_order)
     }
 
-    /// Mean sphere, J0 and J45 (D) that leave the least RMS, in the plane square to the chief ray:
+    /// The refraction that leaves the least RMS, in the plane square to the chief ray:
     /// what a lens in front of the eye, square to the line of sight, has to have.
-    pub fn power_vector(&self) -> [f64; 3] {
+    pub fn power_vector(&self) -> PowerVector {
         let [_, _, _, oblique, defocus, astigmatism, ..] = self.coefficients_um;
-        let [m, j0, j45] =
-            power_vector_from_zernike([oblique, defocus, astigmatism], self.pupil_radius_mm);
+        let at_pupil =
+            refraction_from_zernike([oblique, defocus, astigmatism], self.pupil_radius_mm);
+        let PowerVector {
+            m_d: m,
+            j0_d: j0,
+            j45_d: j45,
+        } = at_pupil;
         // As a matrix of powers in the plane of the pupil, P = [[M + J0, J45], [J45, M − J0]];
         // obliquely the pupil is foreshortened by cos θ along the field, so W's curvature grows.
         let along = self.towards_object.truncate();
         let cosine = -self.towards_object.z;
         let Some(along) = along.try_normalize() else {
-            return [m, j0, j45];
+            return at_pupil;
         };
         let stretch = |v: DVec2| v + (1.0 / cosine - 1.0) * along.dot(v) * along;
         let power = |v: DVec2| DVec2::new((m + j0) * v.x + j45 * v.y, j45 * v.x + (m - j0) * v.y);
         let (x, y) = (stretch(DVec2::X), stretch(DVec2::Y));
         let (xx, xy, yy) = (x.dot(power(x)), x.dot(power(y)), y.dot(power(y)));
-        [0.5 * (xx + yy), 0.5 * (xx - yy), xy]
+        PowerVector {
+            m_d: 0.5 * (xx + yy),
+            j0_d: 0.5 * (xx - yy),
+            j45_d: xy,
+        }
     }
 }
 

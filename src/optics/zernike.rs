@@ -10,6 +10,7 @@
 //! ρ^|m| sin |m|θ are the real and imaginary parts of (x + iy)^|m|, and the rest of R a polynomial in
 //! ρ², so that no angle is ever taken.
 
+use super::defocus::PowerVector;
 use glam::DVec2;
 
 /// Number of polynomials to the sixth order: j = 0 … 27.
@@ -134,54 +135,27 @@ pub fn zernike_sum(coefficients: &[f64; ZERNIKE_COUNT], p: DVec2) -> f64 {
         .sum()
 }
 
-/// A spectacle refraction, in the plane of the pupil.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereCylinder {
-    /// Sphere (D).
-    pub sphere_d: f64,
-    /// Cylinder (D), never positive as returned here.
-    pub cylinder_d: f64,
-    /// Axis (rad, 0 to π).
-    pub axis_rad: f64,
-}
-
-/// The second-order coefficients `[c2,−2, c2,0, c2,2]` (µm) of an eye with this refraction over a
-/// pupil of `pupil_radius_mm`.
-pub fn zernike_from_refraction(refraction: SphereCylinder, pupil_radius_mm: f64) -> [f64; 3] {
+/// The second-order coefficients `[c2,−2, c2,0, c2,2]` (µm) of an eye with this refraction, in the
+/// plane of the pupil, over a pupil of `pupil_radius_mm`.
+pub fn zernike_from_refraction(refraction: PowerVector, pupil_radius_mm: f64) -> [f64; 3] {
     let r2 = pupil_radius_mm * pupil_radius_mm;
-    let (sin, cos) = (2.0 * refraction.axis_rad).sin_cos();
-    let cylinder = r2 * refraction.cylinder_d / (4.0 * 6_f64.sqrt());
+    let [sphere, cylinder] = [-r2 / (4.0 * 3_f64.sqrt()), -r2 / (2.0 * 6_f64.sqrt())];
     [
-        cylinder * sin,
-        -r2 * (refraction.sphere_d + 0.5 * refraction.cylinder_d) / (4.0 * 3_f64.sqrt()),
-        cylinder * cos,
+        cylinder * refraction.j45_d,
+        sphere * refraction.m_d,
+        cylinder * refraction.j0_d,
     ]
 }
 
-/// Mean sphere M and the cross cylinders J0, J45 (D) of second-order coefficients
-/// `[c2,−2, c2,0, c2,2]` (µm): the refraction that leaves the least RMS.
-pub fn power_vector_from_zernike(second: [f64; 3], pupil_radius_mm: f64) -> [f64; 3] {
+/// The refraction, in the plane of the pupil, of second-order coefficients `[c2,−2, c2,0, c2,2]` (µm):
+/// the one that leaves the least RMS.
+pub fn refraction_from_zernike(second: [f64; 3], pupil_radius_mm: f64) -> PowerVector {
     let r2 = pupil_radius_mm * pupil_radius_mm;
-    [
-        -4.0 * 3_f64.sqrt() * second[1] / r2,
-        -2.0 * 6_f64.sqrt() * second[2] / r2,
-        -2.0 * 6_f64.sqrt() * second[0] / r2,
-    ]
-}
-
-/// Sphere, minus cylinder and axis of a power vector M, J0, J45 (Thibos, Wheeler & Horner 1997).
-pub fn sphere_cylinder_from_power_vector([m, j0, j45]: [f64; 3]) -> SphereCylinder {
-    let half = j0.hypot(j45);
-    SphereCylinder {
-        sphere_d: m + half,
-        cylinder_d: -2.0 * half,
-        axis_rad: (0.5 * j45.atan2(j0)).rem_euclid(core::f64::consts::PI),
+    PowerVector {
+        m_d: -4.0 * 3_f64.sqrt() * second[1] / r2,
+        j0_d: -2.0 * 6_f64.sqrt() * second[2] / r2,
+        j45_d: -2.0 * 6_f64.sqrt() * second[0] / r2,
     }
-}
-
-/// Sphere, minus cylinder and axis of second-order coefficients `[c2,−2, c2,0, c2,2]` (µm).
-pub fn refraction_from_zernike(second: [f64; 3], pupil_radius_mm: f64) -> SphereCylinder {
-    sphere_cylinder_from_power_vector(power_vector_from_zernike(second, pupil_radius_mm))
 }
 
 /// Mean sphere (D) by the curvature of the wavefront at the pupil's centre (Seidel refraction):
@@ -313,26 +287,19 @@ mod tests {
     #[test]
     fn refractions_have_the_published_coefficients() {
         // REFERENCE: −3 D over 5 mm is 2.7063 µm.
-        let myope = SphereCylinder {
-            sphere_d: -3.0,
-            cylinder_d: 0.0,
-            axis_rad: 0.0,
-        };
+        let myope = PowerVector::from_sphere_cylinder(-3.0, 0.0, 0.0);
         let [_, c20, _] = zernike_from_refraction(myope, 2.5);
         assert!((c20 - 2.7063).abs() < 5e-5);
         // The wavefront is −(S + C sin²(θ − A)) r²/2 up to piston, in each meridian.
-        let r = SphereCylinder {
-            sphere_d: 1.5,
-            cylinder_d: -2.0,
-            axis_rad: 0.5,
-        };
-        let second = zernike_from_refraction(r, 3.0);
+        let (sphere, cylinder, axis) = (1.5, -2.0, 0.5_f64);
+        let refraction = PowerVector::from_sphere_cylinder(sphere, cylinder, axis);
+        let second = zernike_from_refraction(refraction, 3.0);
         let mut coefficients = [0.0; ZERNIKE_COUNT];
         coefficients[3..6].copy_from_slice(&second);
         let centre = zernike_sum(&coefficients, DVec2::ZERO);
         for angle in [0.0, 0.5, 1.0, 2.0_f64] {
             let edge = zernike_sum(&coefficients, DVec2::from_angle(angle)) - centre;
-            let power = r.sphere_d + r.cylinder_d * (angle - r.axis_rad).sin().powi(2);
+            let power = sphere + cylinder * (angle - axis).sin().powi(2);
             assert!((edge + power * 9.0 / 2.0).abs() < 1e-13, "{angle}");
         }
         assert!((paraxial_sphere_from_zernike(&coefficients, 3.0) - 0.5).abs() < 1e-14);
@@ -358,11 +325,12 @@ mod tests {
             axis in 0.0..3.1_f64,
             radius in 0.5..4.5_f64,
         ) {
-            let given = SphereCylinder { sphere_d: sphere, cylinder_d: cylinder, axis_rad: axis };
+            let given = PowerVector::from_sphere_cylinder(sphere, cylinder, axis);
             let back = refraction_from_zernike(zernike_from_refraction(given, radius), radius);
-            prop_assert!((back.sphere_d - sphere).abs() < 1e-12);
-            prop_assert!((back.cylinder_d - cylinder).abs() < 1e-12);
-            let turn = (back.axis_rad - axis).rem_euclid(core::f64::consts::PI);
+            let (sphere_back, cylinder_back, axis_back) = back.to_sphere_cylinder();
+            prop_assert!((sphere_back - sphere).abs() < 1e-12);
+            prop_assert!((cylinder_back - cylinder).abs() < 1e-12);
+            let turn = (axis_back - axis).rem_euclid(core::f64::consts::PI);
             prop_assert!(turn.min(core::f64::consts::PI - turn) < 1e-12);
         }
     }

@@ -50,7 +50,7 @@ fn cases<'a>(eyes: &'a [SchematicEye], pupils: u32, distances: u32) -> Vec<Case<
                     at_pupil_d: at_cornea / (1.0 + depth_m * at_cornea),
                     focus_at_cornea_d: -constants.refraction_d,
                     focus_d: -constants.refraction_at_entrance_pupil_d(),
-                    best_focus_d: -wave.power_vector()[0],
+                    best_focus_d: -wave.power_vector().m_d,
                     c40_um: wave.coefficients_um[12],
                     c60_um: wave.coefficients_um[24],
                     traced: blur.rms_disc_rad,

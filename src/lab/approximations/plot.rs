@@ -24,8 +24,9 @@ const LEGEND_LINE: f64 = 20.0;
 const ROUNDING: f64 = 1e-17;
 
 /// Colours that the colour-blind tell apart (Okabe & Ito 2008), the darkest first.
-const COLOURS: [&str; 7] = [
-    "#0072b2", "#d55e00", "#009e73", "#aa3377", "#8a6d00", "#333333", "#4477aa",
+const COLOURS: [&str; 9] = [
+    "#0072b2", "#d55e00", "#009e73", "#aa3377", "#8a6d00", "#333333", "#56a0d3", "#b5179e",
+    "#6a994e",
 ];
 
 /// A logarithmic axis.

@@ -1,6 +1,6 @@
 use super::two_point::{
-    ALGORITHM_1, LIGHT_TASK, LINEAR, POLISHED, PUBLISHED, RIM_TASK, SLICE, SOLVER, TABLE, TASK,
-    setting,
+    ALGORITHM_1, GROUPED, GROUPED_SLICE, LIGHT_TASK, LINEAR, POLISHED, PUBLISHED, RIM_TASK, SLICE,
+    SOLVER, TABLE, TASK, setting,
 };
 use super::*;
 use crate::optics::refraction_function::RefractionSize;
@@ -194,7 +194,17 @@ fn orders_of_error_in_the_two_point_problem() {
     assert!(rms(LINEAR, &large) > 5.0 * rms(TABLE, &large));
     // Fixing the light is the same interpolation but for the rounding of single precision.
     for size in [&small, &large] {
+        // As are many at once.
+        assert!(
+            (rms(GROUPED, size) / rms(TABLE, size) - 1.0).abs() < 0.02,
+            "{size}"
+        );
         let (fixed, free) = (row(LIGHT_TASK, SLICE, size), row(LIGHT_TASK, TABLE, size));
+        let grouped = row(LIGHT_TASK, GROUPED_SLICE, size);
+        assert!(
+            (grouped.err_rms / fixed.err_rms - 1.0).abs() < 0.02,
+            "{grouped:?}"
+        );
         assert!(
             (fixed.err_rms / free.err_rms - 1.0).abs() < 0.02,
             "{fixed:?} {free:?}"

@@ -122,6 +122,18 @@ impl Stopwatch {
         Ok(estimates.median.point_estimate)
     }
 
+    /// As [`Self::ns_per_call`] for a method that does many cases at once: nanoseconds of a case, where
+    /// `run` does `cases` of them.
+    pub fn ns_per_case(
+        &mut self,
+        name: &str,
+        cases: usize,
+        mut run: impl FnMut(),
+    ) -> Result<f64, TimingError> {
+        let ns = self.ns_per_call(name, &[()], |()| run())?;
+        Ok(ns / cases.max(1) as f64)
+    }
+
     /// A method's row: its error on every case, its time on the first of them.
     pub fn row<C, R>(
         &mut self,

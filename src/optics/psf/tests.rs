@@ -128,11 +128,7 @@ fn large_defocus_is_the_geometric_disc() {
     // 3 D through 4 mm: a disc of 41 arcmin.
     let mut c = NONE;
     c[4] = crate::optics::zernike::zernike_from_refraction(
-        crate::optics::zernike::SphereCylinder {
-            sphere_d: -3.0,
-            cylinder_d: 0.0,
-            axis_rad: 0.0,
-        },
+        crate::optics::defocus::PowerVector::from_sphere_cylinder(-3.0, 0.0, 0.0),
         2.0,
     )[1];
     let (_, psf) = spread(512, &c, 4.0);

@@ -20,26 +20,52 @@ impl Order {
     }
 }
 
+/// The smaller of two numbers, in one instruction; the second where the first is not a number.
+#[inline(always)]
+pub(super) fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn most(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// First coefficient and weights of the `N` that a place needs; places outside of [0, 1]
 /// extrapolate the outermost cell, by at most one cell.
 #[inline]
 pub fn weights<const N: usize>(place: f32, count: usize) -> (usize, [f32; N]) {
-    let cells = count - (N - 1);
-    let x = (place * cells as f32).clamp(-1.0, cells as f32 + 1.0);
-    // Truncation rounds towards zero, so a place before the first cell stays in it.
-    let first = (x as usize).min(cells - 1);
-    let f = x - first as f32;
-    let mut out = [0.0; N];
-    if N == 2 {
-        out[0] = 1.0 - f;
-        out[1] = f;
-    } else {
+    let ([first], weights) = lane_weights::<N, 1>(&[place], count);
+    (first, weights.map(|[weight]| weight))
+}
+
+/// [`weights`] of several places at once.
+#[inline(always)]
+pub(super) fn lane_weights<const N: usize, const L: usize>(
+    places: &[f32; L],
+    count: usize,
+) -> ([usize; L], [[f32; L]; N]) {
+    // Adding this rounds to a whole number, which then stands in the lowest bits: casts are slow.
+    const LARGE: f32 = 8_388_608.0;
+    let cells = (count - (N - 1)) as f32;
+    let (mut firsts, mut out) = ([0; L], [[0.0; L]; N]);
+    for l in 0..L {
+        let x = most(least(places[l] * cells, cells + 1.0), -1.0);
+        // Half a unit in doubt only continues the neighbouring cell.
+        let shifted = most(least(x - 0.5, cells - 1.0), 0.0) + LARGE;
+        firsts[l] = (shifted.to_bits() & 0x3f_ffff) as usize;
+        let f = x - (shifted - LARGE);
         let g = 1.0 - f;
-        out[0] = 0.5 * g * g;
-        out[1] = 0.5 + f * g;
-        out[2] = 0.5 * f * f;
+        if N == 2 {
+            out[0][l] = g;
+            out[1][l] = f;
+        } else {
+            out[0][l] = 0.5 * g * g;
+            out[1][l] = 0.5 + f * g;
+            out[2][l] = 0.5 * f * f;
+        }
     }
-    (first, out)
+    (firsts, out)
 }
 
 /// Places in [0, 1] where a function of `count` coefficients is sampled.
