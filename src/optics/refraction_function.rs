@@ -17,10 +17,14 @@
 //! Twin: `shaders/lib/refraction_function.wgsl`.
 
 pub mod domain;
+mod fill;
+mod slice;
 pub mod spline;
 
 use domain::{FRAME, RefractionEye, frame_a, frame_place};
+use fill::{complete, extend};
 use glam::{DVec2, DVec3, Vec2};
+pub use slice::RefractionSlice;
 use spline::{Order, lane_weights, least, prefilter, sites, weights};
 
 /// Size of a refraction function.
@@ -303,103 +307,6 @@ impl RefractionFunction {
     }
 }
 
-/// A refraction function for one light: its entry points by place alone, as a small table that a
-/// shader can carry.
-#[derive(Clone, Debug)]
-pub struct RefractionSlice {
-    order: Order,
-    grid: [usize; 2],
-    along: Vec2,
-    frame: [f32; FRAME],
-    values: Vec<[f32; 2]>,
-}
-
-impl RefractionSlice {
-    /// Coefficients across and along the light's azimuth.
-    pub fn grid(&self) -> [usize; 2] {
-        self.grid
-    }
-
-    /// Unit azimuth of the light.
-    pub fn along(&self) -> Vec2 {
-        self.along
-    }
-
-    /// The coordinates' coefficients, see [`domain`].
-    pub fn frame(&self) -> &[f32; FRAME] {
-        &self.frame
-    }
-
-    /// Coefficients (along and across the azimuth, mm), row by row.
-    pub fn values(&self) -> &[[f32; 2]] {
-        &self.values[..self.grid[0] * self.grid[1]]
-    }
-
-    /// The entry point `K` (x, y in mm) of the light that reaches `place` (mm).
-    #[inline]
-    pub fn entry(&self, place: DVec2) -> DVec2 {
-        let [entry] = match self.order {
-            Order::Linear => self.look::<2, 1>(&[place]),
-            Order::Quadratic => self.look::<3, 1>(&[place]),
-        };
-        entry
-    }
-
-    /// [`Self::entry`] of many places, into `entries`, sixteen at a time. Stops at the shorter of
-    /// the two slices.
-    pub fn entries(&self, places: &[DVec2], entries: &mut [DVec2]) {
-        let count = places.len().min(entries.len());
-        let (groups, rest) = places[..count].as_chunks::<LANES>();
-        let (groups_out, rest_out) = entries[..count].as_chunks_mut::<LANES>();
-        for (places, out) in groups.iter().zip(groups_out) {
-            *out = match self.order {
-                Order::Linear => self.look::<2, LANES>(places),
-                Order::Quadratic => self.look::<3, LANES>(places),
-            };
-        }
-        for (place, out) in rest.iter().zip(rest_out) {
-            *out = self.entry(*place);
-        }
-    }
-
-    #[inline]
-    fn look<const N: usize, const L: usize>(&self, places: &[DVec2; L]) -> [DVec2; L] {
-        let [nb, nw] = self.grid;
-        let (mut across, mut beta, mut side) = ([0.0_f32; L], [0.0_f32; L], [0.0_f32; L]);
-        for l in 0..L {
-            let (x, y) = (places[l].x as f32, places[l].y as f32);
-            let a = x * self.along.x + y * self.along.y;
-            side[l] = y * self.along.x - x * self.along.y;
-            let (w, share) = frame_place(&self.frame, a, side[l].abs());
-            across[l] = (w - LOWEST_W) * (1.0 / (1.0 - LOWEST_W));
-            beta[l] = share;
-        }
-        let (columns, by_b) = lane_weights::<N, L>(&beta, nb);
-        let (nodes, by_w) = lane_weights::<N, L>(&across, nw);
-        let mut entries = [DVec2::ZERO; L];
-        for l in 0..L {
-            let first = columns[l] * nw + nodes[l];
-            let mut k = [0.0_f32; 2];
-            for (j, by_b) in by_b.iter().enumerate() {
-                let taps: &[[f32; 2]; N] = self.values[first + j * nw..first + j * nw + N]
-                    .try_into()
-                    .expect("N nodes");
-                for m in 0..N {
-                    let weight = by_b[l] * by_w[m][l];
-                    k[0] += weight * taps[m][0];
-                    k[1] += weight * taps[m][1];
-                }
-            }
-            let kb = k[1] * 1.0_f32.copysign(side[l]);
-            entries[l] = DVec2::new(
-                f64::from(k[0] * self.along.x - kb * self.along.y),
-                f64::from(k[0] * self.along.y + kb * self.along.x),
-            );
-        }
-        entries
-    }
-}
-
 /// Two 16-bit numbers in one word.
 fn pack([a, b]: [i16; 2]) -> u32 {
     u32::from(a.cast_unsigned()) << 16 | u32::from(b.cast_unsigned())
@@ -421,84 +328,6 @@ fn grade(half_tangent: f32) -> f32 {
 fn ungrade(x: f64) -> f64 {
     let g = f64::from(GRADING);
     ((1.0 + 4.0 * g * (1.0 + g) * x).sqrt() - 1.0) / (2.0 * g)
-}
-
-/// Fills nodes without a path from their neighbours' by `solve(node, near)`, outwards from those that
-/// have one, until it fails.
-fn extend(column: &mut [Option<DVec2>], solve: impl Fn(usize, DVec2) -> Option<DVec2>) {
-    let Some(first) = column.iter().position(Option::is_some) else {
-        return;
-    };
-    for node in (0..first).rev() {
-        column[node] = column[node + 1].and_then(|near| solve(node, near));
-    }
-    for node in first + 1..column.len() {
-        if column[node].is_none() {
-            column[node] = column[node - 1].and_then(|near| solve(node, near));
-        }
-    }
-}
-
-/// Fills nodes without a path from those that have one, along `w` by the parabola through the
-/// nearest three, then across by the line through the nearest two: cells at the domain's edge need
-/// them.
-fn complete(sheet: &[Vec<Option<DVec2>>], sites: &[f64], limbus_mm: f64) -> Vec<DVec2> {
-    let farthest = 1.5 * limbus_mm;
-    let mut columns: Vec<Option<Vec<DVec2>>> = sheet
-        .iter()
-        .map(|column| {
-            let known: Vec<(f64, DVec2)> = column
-                .iter()
-                .zip(sites)
-                .filter_map(|(value, &site)| value.map(|k| (site, k)))
-                .collect();
-            if known.len() < 3 {
-                return None;
-            }
-            let filled = column.iter().zip(sites).map(|(value, &site)| {
-                value.unwrap_or_else(|| {
-                    let near = if site < known[0].0 {
-                        &known[..3]
-                    } else {
-                        &known[known.len() - 3..]
-                    };
-                    parabola(near, site).clamp_length_max(farthest)
-                })
-            });
-            Some(filled.collect())
-        })
-        .collect();
-    for index in 0..columns.len() {
-        if columns[index].is_some() {
-            continue;
-        }
-        let before = |back: usize| index.checked_sub(back).and_then(|i| columns[i].clone());
-        let filled = match (before(1), before(2)) {
-            (Some(one), Some(two)) => one
-                .iter()
-                .zip(&two)
-                .map(|(one, two)| (2.0 * *one - *two).clamp_length_max(farthest))
-                .collect(),
-            (Some(one), None) => one,
-            _ => vec![DVec2::ZERO; sites.len()],
-        };
-        columns[index] = Some(filled);
-    }
-    columns.into_iter().flatten().flatten().collect()
-}
-
-fn parabola(points: &[(f64, DVec2)], at: f64) -> DVec2 {
-    let mut sum = DVec2::ZERO;
-    for (i, (site, value)) in points.iter().enumerate() {
-        let mut weight = 1.0;
-        for (j, (other, _)) in points.iter().enumerate() {
-            if i != j {
-                weight *= (at - other) / (site - other);
-            }
-        }
-        sum += weight * *value;
-    }
-    sum
 }
 
 #[cfg(test)]
