@@ -39,7 +39,7 @@ pub struct RefractionSize {
 impl RefractionSize {
     /// Within 12 KB.
     pub const SMALL: Self = Self {
-        grid: [18, 9, 17],
+        grid: [16, 10, 17],
         order: Order::Quadratic,
     };
     /// Within 300 KB.
