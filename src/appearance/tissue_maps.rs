@@ -8,7 +8,7 @@ use super::parts::side;
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use crate::anatomy::{Cornea, Eye, Iris, Sclera};
 use crate::optics::globe::GlobeShape;
-use crate::tissue::iris_reflectance::{IrisPigment, IrisReflectanceTable};
+use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
 use bevy::image::Image;
 use bevy::math::{DVec2, DVec3, Mat4, Vec3, Vec4};
 
@@ -94,15 +94,18 @@ pub(super) fn reflectance_image(iris: &Iris) -> Image {
             border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
             eumelanin_ratio: iris.eumelanin_ratio,
         },
-        64,
-        32,
+        IRIS_TABLE[0],
+        IRIS_TABLE[1],
     );
     let texels = table
         .rgb()
         .iter()
         .map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0])
         .collect();
-    map_image(&mip_chain((64, 32, texels))[..1], false)
+    map_image(
+        &[(IRIS_TABLE[0] as u32, IRIS_TABLE[1] as u32, texels)],
+        false,
+    )
 }
 pub(super) fn static_uniform(
     eye: &Eye,

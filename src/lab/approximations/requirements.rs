@@ -8,11 +8,9 @@ use super::two_point::{
 use crate::optics::fermat::FERMAT_STEPS;
 use crate::optics::refraction_function::domain::RefractionEye;
 use crate::optics::refraction_function::{RefractionFunction, RefractionSize};
+use crate::tissue::iris_reflectance::IRIS_TABLE;
 use crate::tissue::spectrum::Spectrum;
 use serde::{Deserialize, Serialize};
-
-/// Texels of the iris's table of colours, as the picture reads it.
-const IRIS_TABLE: [usize; 2] = [64, 32];
 
 /// One number that was asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
