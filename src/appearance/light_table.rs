@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 pub const SIDE: usize = 64;
 /// How far from its place (mm) a polished entry may send the light before it is solved anew: outside of
 /// its domain the refraction function need not be near anything.
-const FARTHEST_LANDING_MM: f64 = 1e-3;
+const FARTHEST_LANDING_MM: f64 = 2e-5;
 /// Lamps in the table, side by side along u.
 pub const LAMPS: usize = 2;
 /// The table reaches this far beyond the iris root, as a share of its radius.
@@ -281,10 +281,10 @@ mod tests {
             println!(
                 "{angle_deg}°: direction {direction_max:.2e} (rms {direction_rms:.2e}), irradiance {irradiance_max:.2e} (rms {irradiance_rms:.2e})"
             );
-            // Bilinear over cells of h = 0.2 mm errs by h²/8 of the second derivative; at 60° the
-            // caustic itself is 2 and steep on the far side.
+            // Bilinear over cells of h = 0.2 mm errs by h²/8 of the second derivative, up to 40° 4e-4;
+            // at 60° the caustic itself is 2 and steep on the far side, and a shadow's edge is there.
             assert!(
-                direction_rms < 1e-3 && irradiance_rms < 3e-3,
+                direction_rms < 2e-3 && irradiance_rms < 3.5e-3,
                 "{angle_deg}°"
             );
         }
@@ -310,9 +310,9 @@ mod tests {
                 }
             }
             println!("{angle_deg}°: table off by {worst:?}");
-            // What lands within a micrometre is lit alike to a few thousandths at the steepest place.
+            // What lands within 2e-5 mm enters within fifty times that where the map is steepest.
             assert!(
-                worst.iter().all(|off| *off < 2e-3),
+                worst.iter().all(|off| *off < 1e-3),
                 "{angle_deg}°: {worst:?}"
             );
         }
