@@ -18,6 +18,7 @@
 
 pub mod domain;
 mod fill;
+pub mod polynomial;
 mod slice;
 pub mod spline;
 

@@ -8,6 +8,7 @@ use crate::optics::conicoid::{conicoid_normal, conicoid_sag};
 use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
 use crate::optics::fermat::{FERMAT_STEPS, FermatSource, fermat_solve, fermat_solve_surely};
 use crate::optics::refraction_function::domain::{EXIT_INCIDENCE_DEG, RefractionEye};
+use crate::optics::refraction_function::polynomial::RefractionPolynomial;
 use crate::optics::refraction_function::spline::Order;
 use crate::optics::refraction_function::{RefractionFunction, RefractionSize, RefractionSlice};
 use glam::{DVec2, DVec3};
@@ -41,6 +42,8 @@ pub const GROUPED_SLICE: &str = "one light in groups";
 pub const POLISHED_SLICE: &str = "one light polished";
 /// Our refraction function with the paper's kind of interpolation.
 pub const LINEAR: &str = "linear";
+/// The same coordinates with one polynomial in place of cells.
+pub const POLYNOMIAL: &str = "polynomial";
 /// The paper's refraction function.
 pub const PUBLISHED: &str = "as published";
 
@@ -123,6 +126,7 @@ pub struct Tables {
     eye: RefractionEye,
     ours: Vec<(String, RefractionFunction)>,
     linear: Vec<(String, RefractionFunction)>,
+    polynomials: Vec<(String, RefractionPolynomial)>,
     published: Vec<(String, PublishedTable)>,
 }
 
@@ -158,6 +162,12 @@ impl Tables {
                     ..size
                 })
                 .map(|size| (setting(size), RefractionFunction::new(eye, size)))
+                .into(),
+            polynomials: [[6, 4, 6], [9, 5, 9], [14, 8, 14]]
+                .map(|size| {
+                    let [t, b, w] = size;
+                    (format!("{t}×{b}×{w}"), RefractionPolynomial::new(eye, size))
+                })
                 .into(),
             published: layouts
                 .into_iter()
@@ -249,6 +259,10 @@ pub fn measure(
     for (name, table) in tables.linear.iter().filter(|(name, _)| some(name)) {
         let run = |pair: &Pair| table.entry(pair.place, pair.light);
         rows.push(stopwatch.row((LINEAR, name, table.bytes()), &pairs, run, lifted)?);
+    }
+    for (name, polynomial) in &tables.polynomials {
+        let run = |pair: &Pair| polynomial.entry(pair.place, pair.light);
+        rows.push(stopwatch.row((POLYNOMIAL, name, polynomial.bytes()), &pairs, run, lifted)?);
     }
     for (name, table) in tables.ours.iter().filter(|(name, _)| every(name)) {
         let run = |pair: &Pair| table.polished_entry(pair.place, pair.light);

@@ -1,6 +1,7 @@
 use super::super::caustic::caustic_jacobian;
 use super::super::conicoid::conicoid_sag;
 use super::domain::EXIT_INCIDENCE_DEG;
+use super::polynomial::RefractionPolynomial;
 use super::*;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -131,6 +132,23 @@ fn a_linear_table_in_the_same_coordinates_errs_more() {
     let (linear, quadratic) = (of(Order::Linear), of(Order::Quadratic));
     println!("linear {linear:?}, quadratic {quadratic:?}");
     assert!(linear[2] > 5.0 * quadratic[2] && linear[0] > 0.02);
+}
+
+#[test]
+fn polynomials_gain_with_their_degree() {
+    let eye = RefractionEye::default();
+    let pairs = pairs(&eye, 20_000, 0.0..EXIT_INCIDENCE_DEG, 6);
+    let of = |size| {
+        let polynomial = RefractionPolynomial::new(eye, size);
+        let found = errors(&pairs, |pair| polynomial.entry(pair.place, pair.light));
+        println!("{size:?}: {} bytes, {found:?}", polynomial.bytes());
+        found
+    };
+    let (low, middle, high) = (of([6, 4, 6]), of([9, 5, 9]), of([14, 8, 14]));
+    // The largest error of the middle one is 4 mm, in a corner where its coordinates, polynomials in
+    // the obliquity too, miss the fold by more than its distance.
+    assert!(middle[1] < 0.5 * low[1] && high[1] < 0.1 * middle[1]);
+    assert!(high[0] < 0.05, "{high:?}");
 }
 
 #[test]
