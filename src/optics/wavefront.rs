@@ -14,7 +14,7 @@
 //! the pupil: the pupil is the unit disc off axis as well. [`Wavefront::power_vector`] undoes the
 //! obliquity.
 
-mod fit;
+pub mod fit;
 
 use super::defocus::PowerVector;
 use super::paraxial::{Meridian, Paraxial, paraxial};

@@ -5,6 +5,7 @@ use super::timing::{Stopwatch, TimingError};
 use crate::optics::mean_mtf::{diffraction_cutoff_cpd, diffraction_mtf};
 use crate::optics::psf::{Psf, PsfError, PsfGrid, PupilFunction};
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
+use crate::optics::wavefront::fit::solve;
 use crate::optics::wavefront::{ObjectPoint, Wavefront, WavefrontSample, trace_wavefront};
 use crate::optics::zernike::{ZERNIKE_COUNT, zernike_sum, zernike_values};
 use rand::SeedableRng;
@@ -102,27 +103,7 @@ fn fitted(rays: &[WavefrontSample]) -> [f64; ZERNIKE_COUNT] {
             }
         }
     }
-    // Cholesky's factors of the lower triangle.
-    for j in 0..ZERNIKE_COUNT {
-        for i in j..ZERNIKE_COUNT {
-            let sum: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();
-            a[i][j] -= sum;
-            a[i][j] = if i == j {
-                a[i][j].max(f64::MIN_POSITIVE).sqrt()
-            } else {
-                a[i][j] / a[j][j]
-            };
-        }
-    }
-    for i in 0..ZERNIKE_COUNT {
-        let sum: f64 = (0..i).map(|k| a[i][k] * b[k]).sum();
-        b[i] = (b[i] - sum) / a[i][i];
-    }
-    for i in (0..ZERNIKE_COUNT).rev() {
-        let sum: f64 = (i + 1..ZERNIKE_COUNT).map(|k| a[k][i] * b[k]).sum();
-        b[i] = (b[i] - sum) / a[i][i];
-    }
-    b
+    solve(a, b)
 }
 
 /// Error of the fitted surface at every traced ray.

@@ -193,6 +193,40 @@ fn a_slice_is_the_function_for_its_light() {
 }
 
 #[test]
+fn groups_are_the_single_look_ups_whatever_their_number() {
+    let eye = RefractionEye::default();
+    let pairs = pairs(&eye, 50, 0.0..EXIT_INCIDENCE_DEG, 7);
+    for order in [Order::Linear, Order::Quadratic] {
+        let size = RefractionSize {
+            order,
+            ..RefractionSize::SMALL
+        };
+        let function = RefractionFunction::new(eye, size);
+        let slice = function.towards(pairs[0].light);
+        for count in [0, 1, 15, 16, 17, 50] {
+            let asked: Vec<_> = pairs[..count].iter().map(|p| (p.place, p.light)).collect();
+            let places: Vec<_> = asked.iter().map(|(place, _)| *place).collect();
+            let nowhere = DVec2::splat(99.0);
+            let (mut found, mut along) = (vec![nowhere; count + 1], vec![nowhere; count + 1]);
+            function.entries(&asked, &mut found);
+            slice.entries(&places, &mut along);
+            for (i, (place, light)) in asked.iter().enumerate() {
+                // The same sums; the compiler may take them in another order.
+                assert!(
+                    found[i].distance(function.entry(*place, *light)) < 1e-5,
+                    "{count} {i}"
+                );
+                assert!(along[i].distance(slice.entry(*place)) < 1e-5, "{count} {i}");
+            }
+            assert!(
+                found[count] == nowhere && along[count] == nowhere,
+                "{count}"
+            );
+        }
+    }
+}
+
+#[test]
 fn the_entry_moves_with_the_place_as_the_jacobian_says() {
     // ∂K/∂P of the function against the inverse of the caustic's Jacobian, where it is smooth.
     let eye = RefractionEye::default();

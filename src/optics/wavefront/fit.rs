@@ -31,7 +31,7 @@ pub(super) fn least_squares(samples: &[WavefrontSample]) -> ([f64; ZERNIKE_COUNT
 }
 
 /// Solves the symmetric positive system whose lower triangle is given.
-fn solve(
+pub fn solve(
     mut a: [[f64; ZERNIKE_COUNT]; ZERNIKE_COUNT],
     mut b: [f64; ZERNIKE_COUNT],
 ) -> [f64; ZERNIKE_COUNT] {
