@@ -6,7 +6,7 @@
 #   web/build.sh --toolchain  only say which Rust toolchain builds it (exit 1: there is none)
 #
 # `./dev web-build` installs what this needs, then calls it.
-set -euo pipefail
+set -eEuo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 most_bytes=10000000 # of the whole page as brotli
@@ -18,12 +18,19 @@ fail() {
     exit 1
 }
 
+# Whatever fails without a sentence of its own gets one, told once, by the outermost shell.
+on_error() {
+    ((BASH_SUBSHELL)) || printf 'web/build.sh: stopped (exit %d) at line %d: %s\n' "$1" "$2" "$3" >&2
+}
+trap 'on_error $? $LINENO "$BASH_COMMAND"' ERR
+
 has() { command -v "$1" >/dev/null 2>&1; }
 
 # ---- Which toolchain ------------------------------------------------------------------------
 
-# Debian's rustc-web has no standard library for WebAssembly but can build it from rust-web-src;
-# that is an unstable option of cargo, hence the bootstrap switch.
+# The standard library is best had ready-made, from rustup. Debian's rustc-web has none for
+# WebAssembly but can build it from rust-web-src, once for each $web_target; that is an unstable
+# option of cargo, hence the bootstrap switch.
 debian_cargo=(env RUSTC_BOOTSTRAP=1 RUSTC=/usr/bin/rustc RUSTDOC=/usr/bin/rustdoc /usr/bin/cargo)
 
 has_debian_rust() {
@@ -51,12 +58,21 @@ fi
 
 has brotli || fail "brotli is missing: run ./dev setup."
 
+# One build at a time in one folder: the second waits, and then finds the page finished.
+mkdir -p "$web_target"
+if has flock; then
+    exec 9>"$web_target/lock"
+    flock 9
+fi
+
 # ---- Is there anything to do ----------------------------------------------------------------
 
 # The inputs: everything that cargo or this script reads, by content.
 fingerprint() {
+    local compiler
+    compiler=$("$rustc" -vV) || return
     {
-        "$rustc" -vV
+        echo "$compiler"
         find Cargo.toml Cargo.lock src shaders assets web/build.sh web/index.html \
             -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
     } | sha256sum | cut -c 1-16
