@@ -22,4 +22,5 @@ pub mod readiness;
 pub mod scene;
 pub mod shaders;
 pub mod tissue;
+#[cfg(feature = "app")]
 pub mod ui;

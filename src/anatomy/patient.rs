@@ -311,8 +311,31 @@ impl PatientFile {
                 });
             }
         }
+        self.check_text(file)?;
         self.check_shape(file)?;
         self.check_globe(file)
+    }
+
+    /// Text is shown on terminals, which take control characters for commands.
+    fn check_text(&self, file: &str) -> Result<(), PatientError> {
+        let breaks: &[char] = &['\n', '\r', '\t'];
+        for (field, text, allowed_too) in [
+            ("name", &self.name, &[][..]),
+            ("description", &self.description, breaks),
+        ] {
+            if let Some(found) = text
+                .chars()
+                .find(|c| c.is_control() && !allowed_too.contains(c))
+            {
+                return Err(PatientError::OutOfRange {
+                    file: file.into(),
+                    field,
+                    value: format!("{text:?}"),
+                    allowed: format!("text without control characters such as {found:?}"),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Cornea and sclera must meet at the limbus, with the iris inside.
@@ -386,6 +409,8 @@ impl PatientFile {
 
 /// Reads a patient from RON text; `file` names it in errors.
 pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError> {
+    // Some editors begin a file with this mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let patient: PatientFile = options
@@ -433,6 +458,9 @@ fn sentence(code: &ron::error::Error) -> String {
     }
 }
 
+/// Largest patient file, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
 /// Loads a built-in patient by name, or a patient file by path.
 pub fn load_patient(name_or_path: &str) -> Result<PatientFile, PatientError> {
     if let Some(preset) = super::preset(name_or_path) {
@@ -444,16 +472,21 @@ pub fn load_patient(name_or_path: &str) -> Result<PatientFile, PatientError> {
             file: name_or_path.into(),
             reason,
         };
-        if path.is_dir() {
+        let found = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
+        if found.is_dir() {
             return Err(unreadable("it is a folder, not a file".into()));
         }
-        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
-        if bytes.len() > 1 << 20 {
+        // A pipe may wait forever, a device may never end.
+        if !found.is_file() {
+            return Err(unreadable("it is a pipe or a device, not a file".into()));
+        }
+        if found.len() > MAX_FILE_BYTES {
             return Err(unreadable(format!(
-                "it has {} bytes; a patient file has at most 1048576",
-                bytes.len()
+                "it has {} bytes; a patient file has at most {MAX_FILE_BYTES}",
+                found.len()
             )));
         }
+        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
         let text = String::from_utf8(bytes)
             .map_err(|_| unreadable("it is not UTF-8 text, so not a patient file".into()))?;
         return parse_patient(&text, name_or_path);
@@ -499,6 +532,8 @@ mod tests {
         for part in ["p.ron", "age_years", "300", "1 to 110"] {
             assert!(error.contains(part), "{error}");
         }
+        assert!(parse_patient("\u{feff}(age_years: 40.0)", "p.ron").is_ok());
+        assert!(said("(name: \"\\u{1b}[31mAnn\")").contains("control"));
         assert!(said("(sphere_d: NaN)").contains("NaN"));
         assert!(said("(pupil: Fixed(0.5))").contains("1 to 9"));
         let error = said("(eye_color: Blue)");

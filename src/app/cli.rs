@@ -8,7 +8,9 @@ use crate::lab::measure::{MeasureTable, MeasuredEye, measure};
 use crate::lab::render::{PanelChoice, RenderReport, RenderRequest, layout, render};
 use crate::percept::{ViewOptions, fast};
 use crate::scene::catalog::{BuiltIn, SceneSource};
-use crate::scene::photo::{decode_image, read_file};
+use crate::scene::depth_file::DepthUnit;
+use crate::scene::photo::{PhotoOptions, read_named_file};
+use crate::scene::picture_file::{Meaning, decode_picture};
 use bevy::math::UVec2;
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -38,12 +40,35 @@ struct Shown {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
     #[arg(long, global = true, default_value = "healthy-brown", value_name = "P")]
     patient: String,
-    /// A built-in scene (`ocularium scenes`), a glTF or GLB file, or a PNG or JPEG photograph.
+    /// A built-in scene (`ocularium scenes`), a glTF or GLB file, or a photograph (PNG, JPEG, WebP,
+    /// GIF, TIFF, BMP).
     #[arg(long, global = true, default_value = "room", value_name = "S")]
     scene: String,
-    /// Depth image of a photograph: grey PNG, white 0.5 m, black infinitely far, linear in dioptres.
+    /// Distance of a photograph without a depth image: 0.4m, 40cm, 400mm, inf; 3m without it.
+    #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_at)]
+    at: Option<f32>,
+    /// Height of a photograph: as an angle (20deg, 1 to 120; 50deg without it) or a length (21cm).
+    #[arg(long, global = true, value_name = "HEIGHT", value_parser = parse_span)]
+    span: Option<Span>,
+    /// Depth image of a photograph, grey.
     #[arg(long, global = true, value_name = "IMAGE")]
     depth: Option<PathBuf>,
+    /// What a depth image's codes mean. Without it, 8 bits are inverse, and 16 bits are inverse or
+    /// millimetres, whichever is likelier; the report says which.
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        value_name = "UNIT",
+        requires = "depth"
+    )]
+    depth_unit: Option<DepthUnit>,
+    /// Distance of white in an inverse depth image; 0.5m without it.
+    #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_length, requires = "depth")]
+    depth_near: Option<f32>,
+    /// Distance of black in an inverse depth image; infinitely far without it.
+    #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_length, requires = "depth")]
+    depth_far: Option<f32>,
     /// Seed of every random choice, 0 to 18446744073709551615.
     #[arg(long, global = true, default_value_t = 1, value_name = "N")]
     seed: u64,
@@ -119,7 +144,7 @@ struct RenderArgs {
 
 #[derive(Args)]
 struct FeatureArgs {
-    /// A PNG or JPEG image, at least 7×7 and at most 16384 pixels wide or high; colour becomes
+    /// An image (PNG, JPEG, WebP, GIF, TIFF, BMP), at least 7×7 and at most 16384 pixels wide or high; colour becomes
     /// Rec. 709 luma.
     image: PathBuf,
     /// Threshold, 0 to 255: a corner's ring differs by more than this.
@@ -158,6 +183,124 @@ impl ValueEnum for MeasureTable {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.name()).help(self.description()))
     }
+}
+
+impl ValueEnum for DepthUnit {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Self::Millimetres,
+            Self::Centimetres,
+            Self::Metres,
+            Self::Dioptres,
+            Self::Inverse,
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Self::Millimetres => ("mm", "a distance in millimetres; 0 is no measurement"),
+            Self::Centimetres => ("cm", "a distance in centimetres; 0 is no measurement"),
+            Self::Metres => ("m", "a distance in metres; 0 is no measurement"),
+            Self::Dioptres => ("diopter", "thousandths of a dioptre; 0 is infinitely far"),
+            Self::Inverse => ("inverse", "white near, black far, linear in dioptres"),
+        };
+        Some(PossibleValue::new(name).help(help))
+    }
+}
+
+/// Height of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Span {
+    Degrees(f32),
+    Metres(f32),
+}
+
+/// A length with its unit (m without one), in m, above 0; `inf` is allowed.
+fn parse_length(text: &str) -> Result<f32, String> {
+    let wrong = || format!("{text:?} is not a length above 0 such as 0.4m, 40cm, 400mm or inf");
+    let text = text.trim();
+    let (number, unit_m) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("", 1.0)]
+        .into_iter()
+        .find_map(|(unit, unit_m)| Some((text.strip_suffix(unit)?, unit_m)))
+        .ok_or_else(wrong)?;
+    let number: f64 = number.trim().parse().map_err(|_| wrong())?;
+    let length_m = (number * unit_m) as f32;
+    if length_m > 0.0 {
+        Ok(length_m)
+    } else {
+        Err(wrong())
+    }
+}
+
+fn parse_at(text: &str) -> Result<f32, String> {
+    let at_m = parse_length(text)?;
+    if at_m >= 0.02 {
+        return Ok(at_m);
+    }
+    Err(format!(
+        "{text:?} is nearer than 2 cm, the nearest that is drawn"
+    ))
+}
+
+fn parse_span(text: &str) -> Result<Span, String> {
+    let wrong =
+        || format!("{text:?} is not a height such as 20deg (1 to 120) or a length such as 21cm");
+    if let Some(degrees) = text
+        .trim()
+        .strip_suffix("deg")
+        .or_else(|| text.trim().strip_suffix('°'))
+    {
+        let degrees = degrees.trim().parse::<f32>().map_err(|_| wrong())?;
+        return if (1.0..=120.0).contains(&degrees) {
+            Ok(Span::Degrees(degrees))
+        } else {
+            Err(wrong())
+        };
+    }
+    let with_unit = text.trim().ends_with('m');
+    match parse_length(text) {
+        Ok(length_m) if with_unit && length_m.is_finite() => Ok(Span::Metres(length_m)),
+        _ => Err(wrong()),
+    }
+}
+
+/// How a photograph stands, from what the command line says of it.
+fn photo_options(shown: &Shown) -> Result<PhotoOptions, String> {
+    let usual = PhotoOptions::default();
+    if shown.at.is_some() && shown.depth.is_some() {
+        return Err(
+            "--at is the distance of a photograph without --depth; leave one of them out".into(),
+        );
+    }
+    let scaled = shown.depth_near.is_some() || shown.depth_far.is_some();
+    if scaled && !matches!(shown.depth_unit, None | Some(DepthUnit::Inverse)) {
+        return Err("--depth-near and --depth-far go with --depth-unit inverse only".into());
+    }
+    let flat_depth_m = shown.at.unwrap_or(usual.flat_depth_m);
+    let vertical_fov_deg = match shown.span {
+        None => usual.vertical_fov_deg,
+        Some(Span::Degrees(degrees)) => degrees,
+        Some(Span::Metres(_)) if flat_depth_m.is_infinite() => {
+            return Err(
+                "--span of a photograph that is infinitely far must be an angle, such as 20deg"
+                    .into(),
+            );
+        }
+        Some(Span::Metres(height_m)) => 2.0 * (0.5 * height_m / flat_depth_m).atan().to_degrees(),
+    };
+    if !(1.0..=120.0).contains(&vertical_fov_deg) {
+        return Err(format!(
+            "--span makes the photograph {vertical_fov_deg:.1}° high at {flat_depth_m} m, but it must be 1° to 120°"
+        ));
+    }
+    Ok(PhotoOptions {
+        // Who says where white and black stand says that they are shares between them.
+        depth_unit: shown.depth_unit.or(scaled.then_some(DepthUnit::Inverse)),
+        near_m: shown.depth_near.unwrap_or(usual.near_m),
+        far_m: shown.depth_far.unwrap_or(usual.far_m),
+        flat_depth_m,
+        vertical_fov_deg,
+    })
 }
 
 fn parse_size(text: &str) -> Result<UVec2, String> {
@@ -282,7 +425,20 @@ fn say(out: &mut impl Write, line: &str) -> std::io::Result<()> {
 
 fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
     let patient = load_patient(&shown.patient)?;
-    let scene = SceneSource::resolve(&shown.scene, shown.depth.as_deref())?;
+    let options = photo_options(shown)?;
+    let source = SceneSource::parse(&shown.scene, shown.depth.as_deref())?;
+    if !matches!(source, SceneSource::Photo { .. }) && (shown.at.is_some() || shown.span.is_some())
+    {
+        return Err(format!(
+            "--at and --span place a photograph, and the scene {:?} is none",
+            shown.scene
+        )
+        .into());
+    }
+    let scene = source.load(&options)?;
+    for remark in scene.remarks() {
+        eprintln!("ocularium: {remark}");
+    }
     Ok(Session::new(patient, scene, shown.seed))
 }
 
@@ -343,14 +499,23 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
 }
 
 fn conclude(report: &RenderReport, out: &Path) -> ExitCode {
+    let pace = report
+        .frame_ms_median
+        .map_or_else(String::new, |ms| format!("; {ms:.0} ms a frame"));
     eprintln!(
-        "{} frame{}, trace.csv and report.json in {} ({}; {:.0} ms a frame)",
+        "{} frame{}, trace.csv and report.json in {} ({}{pace})",
         report.frames,
         if report.frames == 1 { "" } else { "s" },
         out.display(),
         report.device,
-        report.frame_ms_median,
     );
+    if let Some(remark) = report
+        .remarks
+        .iter()
+        .find(|remark| remark.contains("earlier"))
+    {
+        eprintln!("ocularium: {remark}");
+    }
     if report.interrupted {
         eprintln!("ocularium: interrupted; what is in the folder is whole");
         return ExitCode::from(130);
@@ -423,8 +588,12 @@ fn measured_eye(patient: &PatientFile) -> MeasuredEye {
 
 fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {
     let name = arguments.image.display().to_string();
-    let bytes = read_file(&arguments.image)?;
-    let image = decode_image(&bytes, &name, 7)?.to_rgb8();
+    let bytes = read_named_file(&arguments.image, "image")?;
+    let picture = decode_picture(&bytes, &name, 7, Meaning::Colour)?;
+    for remark in &picture.remarks {
+        eprintln!("ocularium: {remark}");
+    }
+    let image = picture.image.to_rgb8();
     let grey: Vec<u8> = image
         .pixels()
         .map(|pixel| fast::luma_of_srgb8(pixel.0))

@@ -8,10 +8,11 @@ pub mod clock;
 pub mod panels;
 pub mod session;
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "app", not(target_arch = "wasm32")))]
 pub mod cli;
-#[cfg(target_arch = "wasm32")]
+#[cfg(all(feature = "app", target_arch = "wasm32"))]
 pub mod web;
+#[cfg(feature = "app")]
 pub mod windowed;
 
 pub use clock::{Drive, SimulationClock};

@@ -7,7 +7,7 @@
 //!
 //! Every reference is exact to rounding, or its own error is far below all that is compared with it,
 //! and stands in [`Task::reference`]: light traced forward, quadratures, real rays, many nodes.
-//! Times are criterion's ([`timing`]): one thread, in one run, so that ratios hold on any machine.
+//! Times ([`timing`]) are of one thread, in one run, so that ratios hold on any machine.
 //! Free of Bevy; the irradiance of the iris, which the picture reads from a table, is `lab::irradiance`.
 
 mod blur;
@@ -27,9 +27,8 @@ pub mod two_point;
 pub use plot::plot;
 pub use requirements::{Requirement, TableSize, requirements, tables_at_run_time};
 pub use rows::{ErrorRow, Task, joint_csv, report, task_csv};
-pub use timing::{Stopwatch, TimingError};
+pub use timing::Stopwatch;
 
-use std::path::Path;
 use std::time::Duration;
 use two_point::Incidence;
 
@@ -78,37 +77,37 @@ impl Effort {
         measurement: Duration::from_millis(150),
     };
 
-    /// A stopwatch of this effort that works in `folder`.
-    pub fn stopwatch(&self, folder: &Path) -> Stopwatch {
-        Stopwatch::new(folder, self.warm_up, self.measurement)
+    /// A stopwatch of this effort.
+    pub fn stopwatch(&self) -> Stopwatch {
+        Stopwatch::new(self.warm_up, self.measurement)
     }
 }
 
 /// Measures every task.
-pub fn measure(effort: &Effort, stopwatch: &mut Stopwatch) -> Result<Vec<Task>, TimingError> {
+pub fn measure(effort: &Effort, stopwatch: &Stopwatch) -> Vec<Task> {
     let tables = two_point::Tables::new(effort.quick);
-    let domain = two_point::measure(stopwatch, &tables, Incidence::Domain, effort.pairs)?;
-    let light = two_point::measure_light(stopwatch, &tables, effort.pairs / 10)?;
-    let rim = two_point::measure(stopwatch, &tables, Incidence::Rim, effort.pairs / 10)?;
+    let domain = two_point::measure(stopwatch, &tables, Incidence::Domain, effort.pairs);
+    let light = two_point::measure_light(stopwatch, &tables, effort.pairs / 10);
+    let rim = two_point::measure(stopwatch, &tables, Incidence::Rim, effort.pairs / 10);
     let sizes: Vec<usize> = [64, 128, 256, 512, 1024]
         .into_iter()
         .filter(|&size| size <= effort.grid)
         .collect();
-    Ok(vec![
+    vec![
         domain,
         light,
         rim,
-        colour::wavelengths(stopwatch, effort.cases / 10)?,
-        colour::table(stopwatch, effort.cases)?,
-        scattering::reflectance(stopwatch, effort.irises, effort.walks)?,
-        scattering::segment(stopwatch, effort.cases / 10)?,
-        tear::measure(stopwatch, effort.cases)?,
-        blur::measure(stopwatch, 9, 21)?,
-        glare::energy(stopwatch, effort.cases / 100)?,
-        glare::equations(stopwatch, effort.cases)?,
-        imaging::grid(stopwatch, &sizes)?,
-        imaging::rays(stopwatch)?,
-    ])
+        colour::wavelengths(stopwatch, effort.cases / 10),
+        colour::table(stopwatch, effort.cases),
+        scattering::reflectance(stopwatch, effort.irises, effort.walks),
+        scattering::segment(stopwatch, effort.cases / 10),
+        tear::measure(stopwatch, effort.cases),
+        blur::measure(stopwatch, 9, 21),
+        glare::energy(stopwatch, effort.cases / 100),
+        glare::equations(stopwatch, effort.cases),
+        imaging::grid(stopwatch, &sizes),
+        imaging::rays(stopwatch),
+    ]
 }
 
 #[cfg(test)]

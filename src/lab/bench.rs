@@ -7,11 +7,10 @@
 //! measured in this run.
 //!
 //! The approximations are measured in a process of their own: none of the app's threads runs beside
-//! them, and criterion, which reports on stdout and stderr come what may, reports into
-//! `criterion.log`.
+//! them.
 
 use super::approximations::{
-    self, Effort, Requirement, TableSize, Task, TimingError, joint_csv, report, requirements,
+    self, Effort, Requirement, TableSize, Task, joint_csv, report, requirements,
     tables_at_run_time, task_csv,
 };
 use super::files::{WriteError, prepare_folder, write_whole};
@@ -30,7 +29,6 @@ use bevy::math::UVec2;
 use bevy::prelude::Msaa;
 use plotters::prelude::*;
 use serde::Serialize;
-use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -56,9 +54,6 @@ pub enum BenchError {
     /// A plot could not be drawn.
     #[error("the plot {0} could not be drawn: {1}")]
     Plot(&'static str, String),
-    /// A time could not be measured.
-    #[error(transparent)]
-    Timing(#[from] TimingError),
     /// The process that measures the approximations did not do so.
     #[error("the approximations could not be measured: {0}")]
     Apart(String),
@@ -199,22 +194,16 @@ fn field_cases(count: usize) -> Result<Vec<FieldCase>, BenchError> {
 /// Measures the approximations and writes them to `file`.
 fn approximate(file: &Path, quick: bool) -> Result<(), BenchError> {
     let effort = if quick { Effort::QUICK } else { Effort::FULL };
-    let mut stopwatch = effort.stopwatch(&file.with_extension("criterion"));
-    let mut tasks = approximations::measure(&effort, &mut stopwatch)?;
-    tasks.push(irradiance::measure(&mut stopwatch, effort.cases)?);
+    let stopwatch = effort.stopwatch();
+    let mut tasks = approximations::measure(&effort, &stopwatch);
+    tasks.push(irradiance::measure(&stopwatch, effort.cases));
     Ok(write_whole(file, &json(file, &tasks)?)?)
 }
 
 /// [`approximate`] in a process of its own.
 fn approximate_apart(out: &Path, quick: bool) -> Result<Vec<Task>, BenchError> {
     let apart = |error: &dyn core::fmt::Display| BenchError::Apart(error.to_string());
-    let (file, log) = (out.join("errors.json"), out.join("criterion.log"));
-    let refused = |error: std::io::Error| WriteError {
-        path: log.display().to_string(),
-        reason: error.to_string(),
-    };
-    let stdout = File::create(&log).map_err(refused)?;
-    let stderr = stdout.try_clone().map_err(refused)?;
+    let file = out.join("errors.json");
     let program = std::env::current_exe().map_err(|error| apart(&error))?;
     let mut command = Command::new(program);
     command.args(["bench", "--out"]).arg(out);
@@ -223,17 +212,11 @@ fn approximate_apart(out: &Path, quick: bool) -> Result<Vec<Task>, BenchError> {
     }
     let status = command
         .env(TASKS_FILE, &file)
-        // Otherwise criterion would ask Cargo for a folder, or report to its own program.
-        .env("CRITERION_HOME", out)
-        .env_remove("CARGO_CRITERION_PORT")
         .stdin(Stdio::null())
-        .stdout(stdout)
-        .stderr(stderr)
         .status()
         .map_err(|error| apart(&error))?;
     if !status.success() {
-        let log = log.display();
-        return Err(apart(&format!("{status}, {log} says why")));
+        return Err(apart(&status));
     }
     let text = std::fs::read(&file).map_err(|error| apart(&error))?;
     serde_json::from_slice(&text).map_err(|error| apart(&error))

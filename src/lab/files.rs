@@ -30,6 +30,42 @@ pub fn prepare_folder(folder: &Path) -> Result<(), WriteError> {
     fs::remove_file(&probe).map_err(refused(folder))
 }
 
+/// The right to write into a folder, until it is dropped; another run of the program is refused.
+///
+/// The system lets go of it when the program ends, however that happens.
+#[derive(Debug)]
+pub struct FolderLock {
+    path: PathBuf,
+    _held: fs::File,
+}
+
+impl FolderLock {
+    /// Takes the folder.
+    ///
+    /// # Errors
+    /// Where another run writes into it, or nothing can be written.
+    pub fn take(folder: &Path) -> Result<Self, WriteError> {
+        let path = folder.join(".ocularium-lock");
+        let file = fs::File::create(&path).map_err(refused(&path))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Self { path, _held: file }),
+            Err(fs::TryLockError::WouldBlock) => Err(WriteError {
+                path: folder.display().to_string(),
+                reason: "another run is writing into this folder; choose another with --out".into(),
+            }),
+            // A file system without locks is no reason not to write.
+            Err(fs::TryLockError::Error(_)) => Ok(Self { path, _held: file }),
+        }
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        // Whether it is there or not, it locks nobody out.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
 /// Writes a file beside its place and moves it there, so that nobody ever sees half of it.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
@@ -55,6 +91,19 @@ mod tests {
         write_whole(&path, b"two").expect("written");
         assert_eq!(fs::read(&path).expect("read"), b"two");
         assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 1);
+    }
+
+    #[test]
+    fn a_folder_belongs_to_one_run() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let lock = FolderLock::take(folder.path()).expect("free");
+        let error = FolderLock::take(folder.path())
+            .expect_err("taken")
+            .to_string();
+        assert!(error.contains("another run"), "{error}");
+        drop(lock);
+        drop(FolderLock::take(folder.path()).expect("free again"));
+        assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 0);
     }
 
     #[test]

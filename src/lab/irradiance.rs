@@ -4,7 +4,7 @@
 //! Enters: a stopwatch, a number of places. Leaves: a [`Task`] beside those of
 //! [`super::approximations`], from which it stands apart because the table is the picture's.
 
-use super::approximations::{ErrorRow, Stopwatch, Task, TimingError};
+use super::approximations::{ErrorRow, Stopwatch, Task};
 use crate::appearance::light_table::{IrisLight, LAMPS, LightTableSettings, look_up};
 use crate::optics::caustic::caustic_irradiance_at;
 use crate::optics::fermat::{FERMAT_STEPS, fermat_entry};
@@ -29,7 +29,7 @@ struct Place {
 }
 
 /// Measures every size on `count` places.
-pub fn measure(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingError> {
+pub fn measure(stopwatch: &Stopwatch, count: usize) -> Task {
     let (sin, cos) = LAMP_DEG.to_radians().sin_cos();
     let light = DVec3::new(sin, 0.0, -cos);
     let settings = LightTableSettings {
@@ -59,7 +59,7 @@ pub fn measure(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingEr
         let run = |place: &Place| look_up(&texels, &settings, 0, place.at).irradiance(LIMBUS_MM);
         // Half floats on the GPU.
         let method = ("table", format!("{side}×{side}"), side * side * LAMPS * 8);
-        rows.push(stopwatch.row(method, &places, run, error)?);
+        rows.push(stopwatch.row(method, &places, run, error));
     }
     let solve = |place: &Place| {
         let point = place.at.extend(IRIS_Z_MM);
@@ -76,8 +76,8 @@ pub fn measure(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingEr
         &places,
         solve,
         error,
-    )?);
-    Ok(Task {
+    ));
+    Task {
         name: "irradiance".to_owned(),
         title: "Light on the iris".to_owned(),
         call: "irradiance of one place by one lamp; the bytes are those of two lamps".to_owned(),
@@ -88,7 +88,7 @@ pub fn measure(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingEr
         reference: "the solver with twice the steps and the caustic's Jacobian".to_owned(),
         unit: "of the lamp's".to_owned(),
         rows,
-    })
+    }
 }
 
 #[cfg(test)]
@@ -98,10 +98,9 @@ mod tests {
 
     #[test]
     fn the_table_gains_with_its_size_and_the_solver_is_exact() {
-        let folder = tempfile::tempdir().expect("a folder");
         let short = Duration::from_micros(300);
-        let mut stopwatch = Stopwatch::new(&folder.path().join("criterion"), short, short);
-        let task = measure(&mut stopwatch, 1_000).expect("measured");
+        let stopwatch = Stopwatch::new(short, short);
+        let task = measure(&stopwatch, 1_000);
         let rms =
             |method: &str, parameter: &str| task.row(method, parameter).expect(parameter).err_rms;
         let sizes = ["8×8", "16×16", "32×32", "64×64", "128×128"].map(|size| rms("table", size));

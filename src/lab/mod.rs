@@ -2,11 +2,14 @@
 //!
 //! Enters: a session. Leaves: images, traces and numbers, on the desktop only.
 
+#[cfg(feature = "app")]
 pub mod approximations;
+#[cfg(feature = "app")]
 pub mod bench;
 pub mod files;
 pub mod headless;
 pub mod image_difference;
+#[cfg(feature = "app")]
 pub mod irradiance;
 pub mod measure;
 pub mod render;

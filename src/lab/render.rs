@@ -1,6 +1,6 @@
 //! `ocularium render`: frames, a trace, and a report of what was done.
 
-use super::files::{WriteError, prepare_folder, write_whole};
+use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError, Which};
 use crate::app::Session;
 use crate::appearance::EyeOrbit;
@@ -90,14 +90,17 @@ pub struct RenderReport {
     pub device: String,
     /// Seconds until the first frame was complete.
     pub ready_after_s: f64,
-    /// Milliseconds a frame, without reading back and encoding: mean.
-    pub frame_ms_mean: f64,
+    /// Milliseconds a frame, without reading back and encoding: mean. The first frame was complete
+    /// before the clock began (`ready_after_s`) and does not count; `None` where there is no other.
+    pub frame_ms_mean: Option<f64>,
     /// The same, median.
-    pub frame_ms_median: f64,
+    pub frame_ms_median: Option<f64>,
     /// The same, largest.
-    pub frame_ms_max: f64,
+    pub frame_ms_max: Option<f64>,
     /// Work done from the first frame to the last.
     pub work: Work,
+    /// What a user should know about files that were read or replaced, one sentence each.
+    pub remarks: Vec<String>,
 }
 
 /// Number of frames: at least one, at times 0, 1/fps, 2/fps, ….
@@ -154,6 +157,8 @@ pub fn render(
     mut progress: impl FnMut(u64, u64),
 ) -> Result<RenderReport, RenderError> {
     prepare_folder(&request.out)?;
+    let lock = FolderLock::take(&request.out)?;
+    let mut remarks = session.scene.remarks().to_vec();
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
@@ -174,7 +179,9 @@ pub fn render(
         let at = Instant::now();
         headless.go_to(frame as f64 / request.fps);
         headless.finish_frame();
-        times_ms.push(at.elapsed().as_secs_f64() * 1e3);
+        if frame > 0 {
+            times_ms.push(at.elapsed().as_secs_f64() * 1e3);
+        }
         rows.push(TraceRow::from(&headless.state()));
         let png = encode_png(&picture(&headless, request)?)
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
@@ -196,6 +203,14 @@ pub fn render(
         .corners
         .len();
     let frames = rows.len() as u64;
+    let stale = remove_later_frames(&request.out, frames)?;
+    if stale > 0 {
+        remarks.push(format!(
+            "{stale} frames of an earlier, longer run were removed from {}.",
+            request.out.display()
+        ));
+    }
+    let drawn = !times_ms.is_empty();
     let report = RenderReport {
         version: env!("CARGO_PKG_VERSION"),
         patient,
@@ -211,17 +226,44 @@ pub fn render(
         candidates,
         device: headless.adapter(),
         ready_after_s,
-        frame_ms_mean: times_ms.iter().sum::<f64>() / (times_ms.len().max(1) as f64),
-        frame_ms_median: median(&mut times_ms.clone()),
-        frame_ms_max: times_ms.iter().copied().fold(0.0, f64::max),
+        frame_ms_mean: drawn.then(|| times_ms.iter().sum::<f64>() / times_ms.len() as f64),
+        frame_ms_median: drawn.then(|| median(&mut times_ms.clone())),
+        frame_ms_max: drawn.then(|| times_ms.iter().copied().fold(0.0, f64::max)),
         work: headless.work().since(before),
+        remarks,
     };
     let json = serde_json::to_vec_pretty(&report).map_err(|error| WriteError {
         path: "report.json".into(),
         reason: error.to_string(),
     })?;
     write_whole(&request.out.join("report.json"), &json)?;
+    drop(lock);
     Ok(report)
+}
+
+/// Removes frames numbered `frames` and above, which an earlier run left; says how many.
+fn remove_later_frames(out: &Path, frames: u64) -> Result<u64, WriteError> {
+    let refused = |path: &Path, error: std::io::Error| WriteError {
+        path: path.display().to_string(),
+        reason: error.to_string(),
+    };
+    let mut removed = 0;
+    for entry in std::fs::read_dir(out).map_err(|error| refused(out, error))? {
+        let path = entry.map_err(|error| refused(out, error))?.path();
+        let number = path
+            .file_name()
+            .and_then(|name| name.to_str()?.strip_prefix("frame_")?.strip_suffix(".png"))
+            .and_then(|digits| digits.parse::<u64>().ok());
+        // Only names that this program gives.
+        if let Some(number) = number
+            && number >= frames
+            && frame_path(out, number) == path
+        {
+            std::fs::remove_file(&path).map_err(|error| refused(&path, error))?;
+            removed += 1;
+        }
+    }
+    Ok(removed)
 }
 
 fn frame_path(out: &Path, frame: u64) -> PathBuf {
@@ -243,6 +285,30 @@ mod tests {
         assert_eq!(frame_count(3.0, 10.0), 30);
         assert_eq!(frame_count(0.001, 1.0), 1);
         assert_eq!(frame_count(0.1, 30.0), 3);
+    }
+
+    #[test]
+    fn only_frames_of_an_earlier_run_are_removed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let names = [
+            "frame_00000.png",
+            "frame_00001.png",
+            "frame_00007.png",
+            "frame_100000.png",
+        ];
+        let others = [
+            "frame_7.png",
+            "frame_00008.jpg",
+            "frame_.png",
+            "notes_00009.png",
+        ];
+        for name in names.iter().chain(&others) {
+            std::fs::write(folder.path().join(name), b"x").expect("written");
+        }
+        assert_eq!(remove_later_frames(folder.path(), 2).expect("removed"), 2);
+        for name in names[..2].iter().chain(&others) {
+            assert!(folder.path().join(name).exists(), "{name}");
+        }
     }
 
     #[test]

@@ -64,6 +64,8 @@ pub struct Oculomotor {
     queue: EventQueue,
     mode: Mode,
     candidates: Vec<Candidate>,
+    /// Distance of what lies straight ahead, m.
+    ahead_distance_m: f64,
     field: Option<VisualField>,
     curve: GazeCurve,
     fixation: Target,
@@ -104,6 +106,7 @@ impl Oculomotor {
             queue: EventQueue::default(),
             mode: Mode::Auto,
             candidates: Vec::new(),
+            ahead_distance_m: f64::INFINITY,
             field: None,
             curve: GazeCurve::Hold(ahead.gaze),
             fixation: ahead,

@@ -22,6 +22,8 @@ const ADAPTING_FIELD_DEG2: f64 = 900.0;
 pub struct Candidates {
     /// The list.
     pub list: Vec<Candidate>,
+    /// Distance of what lies straight ahead, m, above 0, may be infinite; 0 while unknown.
+    pub ahead_distance_m: f64,
     /// Counts new lists.
     pub version: u64,
 }
@@ -136,6 +138,9 @@ fn decide(
     }
     if motion.candidates_version != candidates.version {
         motion.candidates_version = candidates.version;
+        motion
+            .engine
+            .set_ahead_distance(candidates.ahead_distance_m);
         motion.engine.set_candidates(candidates.list.clone());
     }
     for command in asked.read() {

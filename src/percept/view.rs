@@ -31,6 +31,8 @@ const LARGEST_TEXTURE: u32 = 8192;
 const SEEING_APERTURE: f64 = 0.25;
 /// Brightness of the picture against its mean luminance: the mean becomes this shade of grey.
 const MIDDLE_GREY: f64 = 0.30;
+/// Places to look at in a view without corners.
+const CHANCE_PLACES: usize = 160;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -126,9 +128,13 @@ impl Percept {
         (azimuth, elevation, distance_m(vergence))
     }
 
-    fn candidates(&self) -> Vec<Candidate> {
+    /// The corners among which the eye chooses; in a view without any, places by chance (`seed`).
+    fn candidates(&self, seed: u64) -> Vec<Candidate> {
         let size = self.captured.size;
         let half = self.half_field(size);
+        if self.captured.corners.is_empty() {
+            return self.chance_candidates(seed);
+        }
         spread_out(&self.captured.corners, size)
             .into_iter()
             .map(|[x, y, score, vergence]| {
@@ -139,6 +145,29 @@ impl Percept {
                     elevation_rad,
                     score: f64::from(score),
                     distance_m: distance_m(f32::from_bits(vergence)),
+                }
+            })
+            .collect()
+    }
+}
+
+impl Percept {
+    /// Places of the middle of the view, where people look when nothing stands out, at the distances of
+    /// what is there.
+    fn chance_candidates(&self, seed: u64) -> Vec<Candidate> {
+        use rand::{RngExt, SeedableRng};
+        let mut random = rand_pcg::Pcg64::seed_from_u64(seed ^ 0xb1a4);
+        let size = self.captured.size.as_vec2();
+        (0..CHANCE_PLACES)
+            .map(|_| {
+                let mut share = || random.random_range(0.15..0.85);
+                let place = size * Vec2::new(share(), share());
+                let (azimuth_rad, elevation_rad, distance_m) = self.look_at(place);
+                Candidate {
+                    azimuth_rad,
+                    elevation_rad,
+                    score: 1.0,
+                    distance_m,
                 }
             })
             .collect()
@@ -296,6 +325,7 @@ fn scene_camera(model: &SceneModel) -> impl Bundle {
 /// Takes in a finished capture: candidates for the eye, distances for the user's pointer.
 pub fn receive(
     returned: Res<PerceptReturn>,
+    session: Res<Session>,
     mut percept: ResMut<Percept>,
     mut candidates: ResMut<Candidates>,
     mut clock: ResMut<SimulationClock>,
@@ -310,7 +340,9 @@ pub fn receive(
     percept.stage = Stage::Done;
     percept.forget_scene = false;
     percept.shown = None;
-    candidates.list = percept.candidates();
+    candidates.list = percept.candidates(session.seed);
+    let middle = percept.captured.size.as_vec2() * 0.5;
+    candidates.ahead_distance_m = percept.look_at(middle).2;
     candidates.version += 1;
     clock.ready = true;
 }

@@ -6,6 +6,7 @@
 use super::gltf_file::load_gltf;
 use super::model::{SceneError, SceneModel};
 use super::photo::{PhotoOptions, PhotoScene, load_photo, read_file};
+use super::picture_file::{READABLE, foreign_format};
 use super::room;
 use std::path::{Path, PathBuf};
 
@@ -82,6 +83,14 @@ impl LoadedScene {
             Self::Photo(photo) => &photo.name,
         }
     }
+
+    /// What a user should know about how it was read, one sentence each.
+    pub fn remarks(&self) -> &[String] {
+        match self {
+            Self::Model(_) => &[],
+            Self::Photo(photo) => &photo.remarks,
+        }
+    }
 }
 
 impl SceneSource {
@@ -118,6 +127,7 @@ impl SceneSource {
         let bytes = read_file(path)?;
         let is_model = bytes.starts_with(b"glTF") || matches!(extension.as_str(), "gltf" | "glb");
         let is_image = image::guess_format(&bytes).is_ok()
+            || foreign_format(&bytes).is_some()
             || matches!(extension.as_str(), "png" | "jpg" | "jpeg");
         if is_model {
             refuse_depth("a glTF file")?;
@@ -131,26 +141,26 @@ impl SceneSource {
             Err(SceneError::Malformed {
                 source_name: name_or_path.into(),
                 kind: "scene",
-                reason: "it is neither glTF (.gltf, .glb) nor a PNG or JPEG image".into(),
+                reason: format!("it is neither glTF (.gltf, .glb) nor a {READABLE}"),
             })
         }
     }
 
-    /// Loads it, photographs with default [`PhotoOptions`].
-    pub fn load(&self) -> Result<LoadedScene, SceneError> {
+    /// Loads it; a photograph with these options.
+    pub fn load(&self, options: &PhotoOptions) -> Result<LoadedScene, SceneError> {
         match self {
             Self::BuiltIn(scene) => Ok(LoadedScene::Model(Box::new(scene.build()?))),
             Self::Model(path) => Ok(LoadedScene::Model(Box::new(load_gltf(path)?))),
             Self::Photo { path, depth } => {
-                let photo = load_photo(path, depth.as_deref(), &PhotoOptions::default())?;
+                let photo = load_photo(path, depth.as_deref(), options)?;
                 Ok(LoadedScene::Photo(Box::new(photo)))
             }
         }
     }
 
-    /// [`SceneSource::parse`], then [`SceneSource::load`].
+    /// [`SceneSource::parse`], then [`SceneSource::load`] with default [`PhotoOptions`].
     pub fn resolve(name_or_path: &str, depth: Option<&Path>) -> Result<LoadedScene, SceneError> {
-        Self::parse(name_or_path, depth)?.load()
+        Self::parse(name_or_path, depth)?.load(&PhotoOptions::default())
     }
 }
 
@@ -188,7 +198,7 @@ mod tests {
             path.display().to_string()
         };
         let photo = folder.path().join("photo.dat");
-        image::RgbImage::new(32, 32)
+        image::RgbImage::from_pixel(32, 32, image::Rgb([1, 2, 3]))
             .save_with_format(&photo, image::ImageFormat::Png)
             .unwrap();
         let loaded = SceneSource::resolve(&photo.display().to_string(), Some(&photo)).unwrap_err();
@@ -212,7 +222,7 @@ mod tests {
             SceneSource::resolve(&fake, None)
                 .unwrap_err()
                 .to_string()
-                .contains("neither PNG")
+                .contains("no known picture format")
         );
         let empty = write("empty.glb", b"");
         assert!(

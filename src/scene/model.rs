@@ -345,14 +345,18 @@ impl SceneMesh {
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum SceneError {
     /// There is no such file.
-    #[error("The scene file \"{}\" does not exist.", path.display())]
+    #[error("The {kind} \"{}\" does not exist.", path.display())]
     Missing {
+        /// `scene file`, `depth image`.
+        kind: &'static str,
         /// The path as given.
         path: PathBuf,
     },
     /// The system refuses to read it.
-    #[error("The scene file \"{}\" cannot be read: {reason}.", path.display())]
+    #[error("The {kind} \"{}\" cannot be read: {reason}.", path.display())]
     Unreadable {
+        /// `scene file`, `depth image`.
+        kind: &'static str,
         /// The path as given.
         path: PathBuf,
         /// What the system said.
@@ -416,6 +420,24 @@ pub fn srgb_to_linear(value: u8) -> f32 {
     ANSWERS[usize::from(value)]
 }
 
+/// One sRGB code of 16 bits as linear light, 0–1 (IEC 61966-2-1).
+pub fn srgb16_to_linear(value: u16) -> f32 {
+    static ANSWERS: LazyLock<Vec<f32>> = LazyLock::new(|| {
+        (0..=u16::MAX)
+            .map(|value| {
+                let encoded = f64::from(value) / 65_535.0;
+                let linear = if encoded <= 0.040_45 {
+                    encoded / 12.92
+                } else {
+                    ((encoded + 0.055) / 1.055).powf(2.4)
+                };
+                linear as f32
+            })
+            .collect()
+    });
+    ANSWERS[usize::from(value)]
+}
+
 /// Linear light as an sRGB byte, clamped to 0–1 (IEC 61966-2-1).
 pub fn linear_to_srgb(linear: f32) -> u8 {
     let clamped = linear.clamp(0.0, 1.0);
@@ -440,6 +462,10 @@ mod tests {
     fn srgb_round_trips_every_byte_and_meets_known_values() {
         for value in 0..=255 {
             assert_eq!(linear_to_srgb(srgb_to_linear(value)), value);
+        }
+        for value in 0..=255u8 {
+            let wide = srgb16_to_linear(u16::from(value) * 257);
+            assert!((wide - srgb_to_linear(value)).abs() < 3e-7, "{value}");
         }
         // IEC 61966-2-1: middle grey 0.2140 at code 127.5; 188 is half the light.
         assert!((srgb_to_linear(188) - 0.5029).abs() < 1e-3);

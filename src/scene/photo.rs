@@ -1,16 +1,13 @@
 //! A photograph as a scene: an image, a depth for each of its pixels and a field of view.
 //!
-//! Enters: a PNG or JPEG file, optionally a grey 8- or 16-bit depth image. Leaves: a
-//! [`PhotoScene`].
+//! Enters: a picture file ([`picture_file`](super::picture_file)), optionally a depth image
+//! ([`depth_file`](super::depth_file)). Leaves: a [`PhotoScene`].
 //!
-//! Depth convention: a depth image is linear in vergence, as stereo disparity is. Its value `g`
-//! (0–1, that is code/255 or code/65535) means `1/depth = 1/far + g · (1/near − 1/far)`: white is
-//! near, black is far. By default near is 0.5 m and far is infinity. A depth image of another size
-//! is resampled linearly in vergence. Without one, the whole photograph stands at 3 m.
+//! Without a depth image, the whole photograph stands at one distance, 3 m unless told otherwise.
 
-use super::model::{SceneError, luminance, srgb_to_linear};
-use image::{DynamicImage, ImageReader, Limits, imageops};
-use std::io::Cursor;
+use super::depth_file::{DepthUnit, read_depth};
+use super::model::{SceneError, luminance, srgb16_to_linear};
+use super::picture_file::{Meaning, decode_picture};
 use std::path::Path;
 
 /// Largest width or height of an image, texels: the largest texture of a common GPU.
@@ -20,6 +17,8 @@ pub const MAX_SIDE_PX: u32 = 16_384;
 pub const MIN_SIDE_PX: u32 = 16;
 /// Largest number of texels of an image: 256 MiB as RGBA.
 pub const MAX_TEXELS: u64 = 64 << 20;
+/// Largest file that is read, bytes.
+pub const MAX_FILE_BYTES: u64 = 4 << 30;
 /// Luminance given to a photograph's white, cd/m²: a bright display.
 pub const WHITE_CD_M2: f64 = 250.0;
 
@@ -32,14 +31,16 @@ pub struct PhotoScene {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Row-major sRGB-encoded RGBA, top row first; alpha is 255.
-    pub rgba8_srgb: Vec<u8>,
+    /// Row-major sRGB-encoded RGB of 16 bits, top row first.
+    pub rgb16_srgb: Vec<u16>,
     /// Distance from the eye, m.
     pub depth_m: PhotoDepth,
     /// Vertical extent of the photograph as seen from the eye, degrees.
     pub vertical_fov_deg: f32,
     /// Mean luminance with white at [`WHITE_CD_M2`], cd/m².
     pub mean_luminance_cd_m2: f64,
+    /// What a user should know about how the files were read, one sentence each.
+    pub remarks: Vec<String>,
 }
 
 /// Distances in a photograph, m.
@@ -54,6 +55,8 @@ pub enum PhotoDepth {
 /// What a photograph does not say itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhotoOptions {
+    /// What the depth image's codes mean; `None` reads them as [`read_depth`] finds likely.
+    pub depth_unit: Option<DepthUnit>,
     /// Distance of white in the depth image, m, above 0.
     pub near_m: f32,
     /// Distance of black in the depth image, m, above `near_m`; infinity is allowed.
@@ -67,6 +70,7 @@ pub struct PhotoOptions {
 impl Default for PhotoOptions {
     fn default() -> Self {
         Self {
+            depth_unit: None,
             near_m: 0.5,
             far_m: f32::INFINITY,
             flat_depth_m: 3.0,
@@ -97,17 +101,6 @@ impl PhotoOptions {
         }
         Ok(())
     }
-
-    /// Distance for a depth image's value `g` in 0–1, m.
-    pub fn depth_m(&self, g: f32) -> f32 {
-        let far_d = 1.0 / self.far_m;
-        let vergence_d = far_d + g * (1.0 / self.near_m - far_d);
-        if vergence_d > 0.0 {
-            1.0 / vergence_d
-        } else {
-            f32::INFINITY
-        }
-    }
 }
 
 impl PhotoScene {
@@ -122,13 +115,37 @@ impl PhotoScene {
 
 /// Reads a whole file, with the sentence for each way in which that fails.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => SceneError::Missing { path: path.into() },
-        _ => SceneError::Unreadable {
+    read_named_file(path, "scene file")
+}
+
+/// [`read_file`] of a file that sentences call `kind`.
+pub fn read_named_file(path: &Path, kind: &'static str) -> Result<Vec<u8>, SceneError> {
+    let unreadable = |reason: String| SceneError::Unreadable {
+        kind,
+        path: path.into(),
+        reason,
+    };
+    let found = std::fs::metadata(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => SceneError::Missing {
+            kind,
             path: path.into(),
-            reason: error.to_string(),
         },
+        _ => unreadable(error.to_string()),
     })?;
+    // A pipe may wait forever, a device may never end.
+    if found.is_dir() {
+        return Err(unreadable("it is a folder".into()));
+    }
+    if !found.is_file() {
+        return Err(unreadable("it is a pipe or a device, not a file".into()));
+    }
+    if found.len() > MAX_FILE_BYTES {
+        return Err(unreadable(format!(
+            "it has {} bytes, but may have at most {MAX_FILE_BYTES}",
+            found.len()
+        )));
+    }
+    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     if bytes.is_empty() {
         return Err(SceneError::Empty {
             source_name: path.display().to_string(),
@@ -144,7 +161,9 @@ pub fn load_photo(
     options: &PhotoOptions,
 ) -> Result<PhotoScene, SceneError> {
     let photo = read_file(path)?;
-    let depth_file = depth.map(read_file).transpose()?;
+    let depth_file = depth
+        .map(|depth| read_named_file(depth, "depth image"))
+        .transpose()?;
     let depth_name = depth.map(|d| d.display().to_string()).unwrap_or_default();
     let depth = depth_file
         .as_deref()
@@ -160,128 +179,66 @@ pub fn load_photo_bytes(
     options: &PhotoOptions,
 ) -> Result<PhotoScene, SceneError> {
     options.check(source_name)?;
-    let photo = decode_image(bytes, source_name, MIN_SIDE_PX)?;
-    let mut rgba = photo.into_rgba8();
-    // A photograph hides nothing: transparent parts stand on white, as paper would show them.
-    for pixel in rgba.pixels_mut() {
-        let alpha = u16::from(pixel.0[3]);
-        for channel in &mut pixel.0[..3] {
-            *channel = ((u16::from(*channel) * alpha + 255 * (255 - alpha)) / 255) as u8;
-        }
-        pixel.0[3] = 255;
-    }
+    let picture = decode_picture(bytes, source_name, MIN_SIDE_PX, Meaning::Colour)?;
+    let mut remarks = picture.remarks;
+    let rgba = picture.image.into_rgba16();
     let (width, height) = rgba.dimensions();
+    // A photograph hides nothing: transparent parts stand on white, as paper would show them.
+    let white = u32::from(u16::MAX);
+    let on_white = |code: u16, alpha: u16| {
+        let (code, alpha) = (u32::from(code), u32::from(alpha));
+        ((code * alpha + white * (white - alpha) + white / 2) / white) as u16
+    };
+    let rgb16_srgb: Vec<u16> = rgba
+        .pixels()
+        .flat_map(|pixel| [0, 1, 2].map(|channel| on_white(pixel.0[channel], pixel.0[3])))
+        .collect();
+    drop(rgba);
     let depth_m = match depth {
-        Some((bytes, name)) => PhotoDepth::Map(read_depth(bytes, name, (width, height), options)?),
+        Some((bytes, name)) => {
+            let (map, said) = read_depth(bytes, name, (width, height), options)?;
+            remarks.extend(said);
+            PhotoDepth::Map(map)
+        }
         None => PhotoDepth::Constant(options.flat_depth_m),
     };
-    let total: f64 = rgba
-        .pixels()
-        .map(|p| f64::from(luminance([0, 1, 2].map(|k| srgb_to_linear(p.0[k])))))
+    let total: f64 = rgb16_srgb
+        .chunks_exact(3)
+        .map(|rgb| f64::from(luminance([0, 1, 2].map(|k| srgb16_to_linear(rgb[k])))))
         .sum();
     Ok(PhotoScene {
         name: source_name.into(),
         width,
         height,
         mean_luminance_cd_m2: WHITE_CD_M2 * total / (f64::from(width) * f64::from(height)),
-        rgba8_srgb: rgba.into_raw(),
+        rgb16_srgb,
         depth_m,
         vertical_fov_deg: options.vertical_fov_deg,
+        remarks,
     })
 }
 
-fn read_depth(
-    bytes: &[u8],
-    name: &str,
-    size: (u32, u32),
-    options: &PhotoOptions,
-) -> Result<Vec<f32>, SceneError> {
-    let image = decode_image(bytes, name, 1)?;
-    if image.color().has_color() {
-        return Err(SceneError::Malformed {
-            source_name: name.into(),
-            kind: "depth image",
-            reason: "it is in colour, but must be an 8- or 16-bit grey PNG (white is near)".into(),
-        });
-    }
-    let mut grey = image.into_luma16();
-    if grey.dimensions() != size {
-        grey = imageops::resize(&grey, size.0, size.1, imageops::FilterType::Triangle);
-    }
-    Ok(grey
-        .pixels()
-        .map(|p| options.depth_m(f32::from(p.0[0]) / 65535.0))
-        .collect())
-}
+/// Most characters of a library's message that a sentence quotes.
+const MOST_QUOTED: usize = 200;
 
-/// Decodes a PNG or JPEG file within this module's limits and with at least `min_side` texels
-/// each way.
-pub fn decode_image(
-    bytes: &[u8],
-    source_name: &str,
-    min_side: u32,
-) -> Result<DynamicImage, SceneError> {
-    let malformed = |reason: String| SceneError::Malformed {
-        source_name: source_name.into(),
-        kind: "PNG or JPEG image",
-        reason,
-    };
-    if bytes.is_empty() {
-        return Err(SceneError::Empty {
-            source_name: source_name.into(),
-        });
-    }
-    let open = || {
-        ImageReader::new(Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| malformed(error.to_string()))
-    };
-    let reader = open()?;
-    if reader.format().is_none() {
-        return Err(malformed("its content is neither PNG nor JPEG".into()));
-    }
-    let (width, height) = reader
-        .into_dimensions()
-        .map_err(|e| malformed(one_clause(&e)))?;
-    if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
-        return Err(malformed(format!(
-            "it is {width}×{height} pixels, but neither side may exceed {MAX_SIDE_PX}"
-        )));
-    }
-    if width < min_side || height < min_side {
-        return Err(malformed(format!(
-            "it is {width}×{height} pixels, but both sides must be at least {min_side}"
-        )));
-    }
-    if u64::from(width) * u64::from(height) > MAX_TEXELS {
-        return Err(malformed(format!(
-            "it is {width}×{height} pixels, but may have at most {MAX_TEXELS} in all"
-        )));
-    }
-    let mut reader = open()?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE_PX);
-    limits.max_image_height = Some(MAX_SIDE_PX);
-    // 16-bit RGBA of the largest image that is let through, and a decoder's own buffers.
-    limits.max_alloc = Some(MAX_TEXELS * 8 + (64 << 20));
-    reader.limits(limits);
-    reader
-        .decode()
-        .map_err(|error| malformed(one_clause(&error)))
-}
-
-/// A library's message as part of a sentence: one line, no full stop.
+/// A library's message as part of a sentence: one short line, no full stop, no control characters.
 pub fn one_clause(error: &dyn std::fmt::Display) -> String {
     let text = error.to_string();
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    line.trim_end_matches('.').to_owned()
+    let mut quoted: String = line.chars().filter(|c| !c.is_control()).collect();
+    if let Some((end, _)) = quoted.char_indices().nth(MOST_QUOTED) {
+        quoted.truncate(end);
+        quoted.push('…');
+    }
+    quoted.trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{GrayImage, ImageFormat, Luma, Rgb, RgbImage};
+    use image::{DynamicImage, GrayImage, ImageFormat, Luma, Rgb, RgbImage};
     use proptest::prelude::*;
+    use std::io::Cursor;
 
     fn png(image: &DynamicImage) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -301,7 +258,7 @@ mod tests {
     fn a_photo_keeps_its_pixels_and_stands_at_three_metres() {
         let photo = load(&grey_photo(32, 16, 188)).unwrap();
         assert_eq!((photo.width, photo.height), (32, 16));
-        assert_eq!(&photo.rgba8_srgb[..4], &[188, 188, 188, 255]);
+        assert_eq!(&photo.rgb16_srgb[..3], &[188 * 257; 3]);
         assert_eq!(photo.depth_m, PhotoDepth::Constant(3.0));
         // Code 188 is 50.3 % of white's light.
         assert!((photo.mean_luminance_cd_m2 / WHITE_CD_M2 - 0.5029).abs() < 1e-3);
@@ -309,16 +266,6 @@ mod tests {
 
     #[test]
     fn depth_is_linear_in_dioptres_and_white_is_near() {
-        let options = PhotoOptions {
-            near_m: 0.25,
-            far_m: 4.0,
-            ..Default::default()
-        };
-        assert!((options.depth_m(1.0) - 0.25).abs() < 1e-6);
-        assert!((options.depth_m(0.0) - 4.0).abs() < 1e-5);
-        // Half-way between 0.25 D and 4 D is 2.125 D.
-        assert!((options.depth_m(0.5) - 1.0 / 2.125).abs() < 1e-6);
-        assert_eq!(PhotoOptions::default().depth_m(0.0), f32::INFINITY);
         let ramp = GrayImage::from_fn(16, 16, |x, _| Luma([if x < 8 { 255 } else { 0 }]));
         let depth = png(&ramp.into());
         // The photograph is twice as large, so the depth image is resampled.
@@ -331,7 +278,7 @@ mod tests {
         .unwrap();
         assert!((photo.depth_at_m(0, 0) - 0.5).abs() < 1e-6);
         assert_eq!(photo.depth_at_m(31, 31), f32::INFINITY);
-        let sixteen = image::ImageBuffer::from_pixel(32, 32, Luma([65535u16 / 5]));
+        let sixteen = image::ImageBuffer::from_pixel(32, 32, Luma([65535u16 / 5 * 2]));
         let depth = png(&DynamicImage::ImageLuma16(sixteen));
         let photo = load_photo_bytes(
             &grey_photo(32, 32, 99),
@@ -340,14 +287,14 @@ mod tests {
             &PhotoOptions::default(),
         )
         .unwrap();
-        assert!((photo.depth_at_m(5, 5) - 2.5).abs() < 1e-5, "0.2 of 2 D");
+        assert!((photo.depth_at_m(5, 5) - 1.25).abs() < 1e-5, "0.4 of 2 D");
     }
 
     #[test]
     fn each_bad_file_gets_its_own_sentence() {
         let cases: [(Vec<u8>, &str); 6] = [
             (Vec::new(), "is empty"),
-            (b"just some text".to_vec(), "neither PNG nor JPEG"),
+            (b"just some text".to_vec(), "no known picture format"),
             (grey_photo(1, 1, 9), "1×1"),
             (grey_photo(20_000, 16, 9), "20000×16"),
             (grey_photo(64, 64, 9)[..60].to_vec(), "not a usable"),
@@ -369,7 +316,7 @@ mod tests {
             missing.unwrap_err().to_string(),
             "The scene file \"/no/such.png\" does not exist."
         );
-        let colour = grey_photo(16, 16, 9);
+        let colour = png(&RgbImage::from_pixel(16, 16, Rgb([9, 10, 9])).into());
         let result = load_photo_bytes(
             &colour,
             "p",

@@ -59,9 +59,9 @@ fn mean_colour(photo: &PhotoScene, low: Vec2, high: Vec2) -> [f32; 3] {
     let mut sum = [0.0f32; 3];
     for y in from.y..=to.y {
         for x in from.x..=to.x {
-            let at = ((y * photo.width + x) * 4) as usize;
+            let at = ((y * photo.width + x) * 3) as usize;
             for (channel, total) in sum.iter_mut().enumerate() {
-                *total += super::model::srgb_to_linear(photo.rgba8_srgb[at + channel]);
+                *total += super::model::srgb16_to_linear(photo.rgb16_srgb[at + channel]);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The colour of an iris: how many wavelengths, and which size of table.
 
 use super::rows::Task;
-use super::timing::{Stopwatch, TimingError};
+use super::timing::Stopwatch;
 use crate::tissue::colour_difference::{delta_e_2000, linear_srgb_to_lab};
 use crate::tissue::iris_layers::reduced_layers;
 use crate::tissue::iris_reflectance::{
@@ -55,7 +55,7 @@ struct Coloured {
 }
 
 /// The number of wavelengths; `count` irises.
-pub fn wavelengths(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingError> {
+pub fn wavelengths(stopwatch: &Stopwatch, count: usize) -> Task {
     let all = spectrum_from(|nm| nm).map(TissueCoefficients::at);
     let full =
         |iris: &Iris| spectrum_to_linear_srgb(&all.each_ref().map(|tissue| two_flux(iris, tissue)));
@@ -67,21 +67,21 @@ pub fn wavelengths(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, Timi
         })
         .collect();
     let mut rows = vec![
-        few::<3>(stopwatch, &cases)?,
-        few::<4>(stopwatch, &cases)?,
-        few::<5>(stopwatch, &cases)?,
-        few::<6>(stopwatch, &cases)?,
-        few::<8>(stopwatch, &cases)?,
-        few::<10>(stopwatch, &cases)?,
-        few::<14>(stopwatch, &cases)?,
+        few::<3>(stopwatch, &cases),
+        few::<4>(stopwatch, &cases),
+        few::<5>(stopwatch, &cases),
+        few::<6>(stopwatch, &cases),
+        few::<8>(stopwatch, &cases),
+        few::<10>(stopwatch, &cases),
+        few::<14>(stopwatch, &cases),
     ];
     rows.push(stopwatch.row(
         ("every 10 nm", all.len(), 7 * all.len() * size_of::<f64>()),
         &cases,
         |case| full(&case.iris),
         difference,
-    )?);
-    Ok(Task {
+    ));
+    Task {
         name: "wavelengths".to_owned(),
         title: "Wavelengths for the colour of an iris".to_owned(),
         call: "linear sRGB of one iris, two fluxes at every wavelength".to_owned(),
@@ -91,17 +91,14 @@ pub fn wavelengths(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, Timi
         reference: "the colour by all 41 wavelengths (CIEDE2000)".to_owned(),
         unit: "ΔE2000".to_owned(),
         rows,
-    })
+    }
 }
 
 fn difference(case: &Coloured, rgb: [f64; 3]) -> f64 {
     delta_e_2000(case.lab, linear_srgb_to_lab(rgb))
 }
 
-fn few<const N: usize>(
-    stopwatch: &mut Stopwatch,
-    cases: &[Coloured],
-) -> Result<super::ErrorRow, TimingError> {
+fn few<const N: usize>(stopwatch: &Stopwatch, cases: &[Coloured]) -> super::ErrorRow {
     let few = Wavelengths::<N>::new();
     let tissue = few.nm.map(TissueCoefficients::at);
     // Three weights and four coefficients a wavelength.
@@ -113,7 +110,7 @@ fn few<const N: usize>(
 }
 
 /// The size of the table that the shader reads; `count` places.
-pub fn table(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingError> {
+pub fn table(stopwatch: &Stopwatch, count: usize) -> Task {
     // The strongest colours change most within a cell.
     let pigment = IrisPigment::HAZEL;
     let exact = |iris: &Iris| iris_reflectance_many_flux(&pigment, iris.path_mm, iris.density);
@@ -131,15 +128,15 @@ pub fn table(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingErro
         let bytes = width * height * 8;
         let run = |case: &Coloured| table.sample(case.iris.path_mm, case.iris.density);
         let method = ("table", format!("{width}×{height}"), bytes);
-        rows.push(stopwatch.row(method, &cases, run, difference)?);
+        rows.push(stopwatch.row(method, &cases, run, difference));
     }
     rows.push(stopwatch.row(
         ("many fluxes", 8, 0),
         &cases,
         |case| exact(&case.iris),
         difference,
-    )?);
-    Ok(Task {
+    ));
+    Task {
         name: "iris-table".to_owned(),
         title: "The table of an iris's colours".to_owned(),
         call: "linear sRGB at one path and density; the function by eight fluxes at 8 wavelengths"
@@ -150,5 +147,5 @@ pub fn table(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingErro
         reference: "the function that the table holds (CIEDE2000)".to_owned(),
         unit: "ΔE2000".to_owned(),
         rows,
-    })
+    }
 }

@@ -1,7 +1,7 @@
 //! Glare: its energy within a cone by quadrature and in closed form, and the simplified equations.
 
 use super::rows::{ErrorRow, Task};
-use super::timing::{Stopwatch, TimingError};
+use super::timing::Stopwatch;
 use crate::optics::glare::{
     Glare, glare_age_adjusted, glare_general, glare_small_angle, glare_stiles_holladay,
 };
@@ -36,7 +36,7 @@ fn simpson(glare: Glare, theta: f64, intervals: u32) -> f64 {
 }
 
 /// The energy within a cone; `count` eyes and angles.
-pub fn energy(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingError> {
+pub fn energy(stopwatch: &Stopwatch, count: usize) -> Task {
     let mut random = Pcg64::seed_from_u64(18);
     let cases: Vec<Cone> = (0..count)
         .map(|_| {
@@ -58,11 +58,11 @@ pub fn energy(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingErr
     let mut rows: Vec<ErrorRow> = Vec::new();
     for intervals in [8, 16, 32, 64, 128, 256, 1024] {
         let run = |cone: &Cone| simpson(cone.glare, cone.theta, intervals);
-        rows.push(stopwatch.row(("quadrature", intervals, 0), &cases, run, error)?);
+        rows.push(stopwatch.row(("quadrature", intervals, 0), &cases, run, error));
     }
     let run = |cone: &Cone| cone.glare.energy_within(cone.theta);
-    rows.push(stopwatch.row(("closed form", "exact", 0), &cases, run, error)?);
-    Ok(Task {
+    rows.push(stopwatch.row(("closed form", "exact", 0), &cases, run, error));
+    Task {
         name: "glare-energy".to_owned(),
         title: "Glare within a cone".to_owned(),
         call: "energy within one angle".to_owned(),
@@ -72,7 +72,7 @@ pub fn energy(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingErr
         reference: "Simpson's rule in ln θ with 8192 intervals".to_owned(),
         unit: "of the light".to_owned(),
         rows,
-    })
+    }
 }
 
 struct Angle {
@@ -83,7 +83,7 @@ struct Angle {
 }
 
 /// The simplified equations where all of them are stated, 1 to 30°; `count` eyes and angles.
-pub fn equations(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingError> {
+pub fn equations(stopwatch: &Stopwatch, count: usize) -> Task {
     let mut random = Pcg64::seed_from_u64(19);
     let cases: Vec<Angle> = (0..count)
         .map(|_| {
@@ -106,33 +106,33 @@ pub fn equations(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, Timing
             &cases,
             |at| glare_stiles_holladay(at.theta),
             error,
-        )?,
+        ),
         stopwatch.row(
             (equation, "age-adjusted", 0),
             &cases,
             |at| glare_age_adjusted(at.theta, at.age),
             error,
-        )?,
+        ),
         stopwatch.row(
             (equation, "small angles", 0),
             &cases,
             |at| glare_small_angle(at.theta, at.age),
             error,
-        )?,
+        ),
         stopwatch.row(
             (equation, "general", 0),
             &cases,
             |at| glare_general(at.theta, at.age, at.pigment),
             error,
-        )?,
+        ),
         stopwatch.row(
             (equation, "total", 0),
             &cases,
             |at| Glare::new(at.age, at.pigment).spread(at.theta),
             error,
-        )?,
+        ),
     ];
-    Ok(Task {
+    Task {
         name: "glare-equations".to_owned(),
         title: "The CIE's glare equations".to_owned(),
         call: "one eye at one angle".to_owned(),
@@ -142,5 +142,5 @@ pub fn equations(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, Timing
         reference: "the total function of CIE 135/1-1999".to_owned(),
         unit: "relative".to_owned(),
         rows,
-    })
+    }
 }

@@ -1,7 +1,7 @@
 //! Images of a point: the grid of the Fourier optics, and the rays of a wavefront.
 
 use super::rows::{ErrorRow, Task};
-use super::timing::{Stopwatch, TimingError};
+use super::timing::Stopwatch;
 use crate::optics::mean_mtf::{diffraction_cutoff_cpd, diffraction_mtf};
 use crate::optics::psf::{Psf, PsfError, PsfGrid, PupilFunction};
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
@@ -50,7 +50,7 @@ fn modulation_errors(grid: &PsfGrid, diameter_mm: f64) -> Vec<f64> {
 }
 
 /// The grid's size; `sizes` are powers of two from 64. Grids that the library refuses are left out.
-pub fn grid(stopwatch: &mut Stopwatch, sizes: &[usize]) -> Result<Task, TimingError> {
+pub fn grid(stopwatch: &Stopwatch, sizes: &[usize]) -> Task {
     let pupils = [2.0, 3.0, 4.0, 6.0];
     let mut rows: Vec<ErrorRow> = Vec::new();
     for &size in sizes {
@@ -63,14 +63,14 @@ pub fn grid(stopwatch: &mut Stopwatch, sizes: &[usize]) -> Result<Task, TimingEr
             .iter()
             .flat_map(|(pupil, grid)| modulation_errors(grid, *pupil))
             .collect();
-        let ns = stopwatch.ns_per_call("grid", &grids, |(pupil, grid)| {
+        let ns = stopwatch.ns_per_call(&grids, |(pupil, grid)| {
             spread(grid, *pupil).map(|psf| grid.mtf(&psf))
-        })?;
+        });
         // The spread and the modulation.
         let bytes = 2 * size * size * size_of::<f64>();
         rows.push(ErrorRow::new("grid", size, bytes, ns, errors));
     }
-    Ok(Task {
+    Task {
         name: "modulation".to_owned(),
         title: "Modulation transfer on a grid".to_owned(),
         call: "point spread and modulation transfer of one pupil; the bytes are theirs".to_owned(),
@@ -81,7 +81,7 @@ pub fn grid(stopwatch: &mut Stopwatch, sizes: &[usize]) -> Result<Task, TimingEr
         reference: "the closed form of diffraction".to_owned(),
         unit: "modulation".to_owned(),
         rows,
-    })
+    }
 }
 
 struct Eye {
@@ -116,7 +116,7 @@ fn surface_errors(eye: &Eye, coefficients: &[f64; ZERNIKE_COUNT]) -> Vec<f64> {
 }
 
 /// The number of rays of a wavefront.
-pub fn rays(stopwatch: &mut Stopwatch) -> Result<Task, TimingError> {
+pub fn rays(stopwatch: &Stopwatch) -> Task {
     let schematic = SchematicEye::navarro(0.0, SODIUM_NM);
     let mut random = Pcg64::seed_from_u64(20);
     let fields = [0.0, 5.0, 10.0, 20.0_f64].map(|azimuth| ObjectPoint {
@@ -135,9 +135,9 @@ pub fn rays(stopwatch: &mut Stopwatch) -> Result<Task, TimingError> {
             }
         }
     }
-    let whole = stopwatch.ns_per_call("wavefront", &traced, |(pupil, field)| {
+    let whole = stopwatch.ns_per_call(&traced, |(pupil, field)| {
         trace_wavefront(&schematic, *pupil, *field)
-    })?;
+    });
     let mut fits = Vec::new();
     for count in [32, 48, 64, 96, 128, 192] {
         let run = |eye: &Eye| fitted(&eye.rays[..count.min(eye.rays.len())]);
@@ -145,7 +145,7 @@ pub fn rays(stopwatch: &mut Stopwatch) -> Result<Task, TimingError> {
             .iter()
             .flat_map(|eye| surface_errors(eye, &run(eye)))
             .collect();
-        fits.push((count, stopwatch.ns_per_call("fit", &eyes, run)?, errors));
+        fits.push((count, stopwatch.ns_per_call(&eyes, run), errors));
     }
     // What is left of the whole without its fit is the tracing of 192 rays.
     let fit = fits.last().map_or(0.0, |(_, ns, _)| *ns);
@@ -162,7 +162,7 @@ pub fn rays(stopwatch: &mut Stopwatch) -> Result<Task, TimingError> {
         .flat_map(|eye| surface_errors(eye, &eye.wave.coefficients_um))
         .collect();
     rows.push(ErrorRow::new("rays on rings", 192, 0, whole, errors));
-    Ok(Task {
+    Task {
         name: "wavefront".to_owned(),
         title: "Rays of a wavefront".to_owned(),
         call: "28 coefficients; fewer random rays are charged their share of the time to trace 192"
@@ -172,5 +172,5 @@ pub fn rays(stopwatch: &mut Stopwatch) -> Result<Task, TimingError> {
         reference: "the optical path of each of 192 rays".to_owned(),
         unit: "µm".to_owned(),
         rows,
-    })
+    }
 }

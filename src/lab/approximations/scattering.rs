@@ -2,7 +2,7 @@
 
 use super::colour::{Iris, irises, two_flux};
 use super::rows::{ErrorRow, Task};
-use super::timing::{Stopwatch, TimingError};
+use super::timing::Stopwatch;
 use crate::tissue::iris_layers::reduced_layers;
 use crate::tissue::layers::{Layer, layer_segment_scatter, stack_diffuse_reflectance_once};
 use crate::tissue::many_flux::stack_many_flux;
@@ -22,11 +22,7 @@ struct Stack {
 }
 
 /// Diffuse reflectance with any number of scatterings; `count` irises, up to `walks` random walks.
-pub fn reflectance(
-    stopwatch: &mut Stopwatch,
-    count: usize,
-    most_walks: u32,
-) -> Result<Task, TimingError> {
+pub fn reflectance(stopwatch: &Stopwatch, count: usize, most_walks: u32) -> Task {
     let mut random = Pcg64::seed_from_u64(14);
     let cases: Vec<Stack> = irises(count, 15)
         .into_iter()
@@ -49,20 +45,20 @@ pub fn reflectance(
             &cases,
             |case| stack_diffuse_reflectance_once(&case.layers),
             error,
-        )?,
+        ),
         stopwatch.row(
             ("two-flux", 2, 0),
             &cases,
             |case| two_flux(&case.iris, &case.tissue),
             error,
-        )?,
-        many::<1>(stopwatch, &cases)?,
-        many::<2>(stopwatch, &cases)?,
-        many::<3>(stopwatch, &cases)?,
-        many::<4>(stopwatch, &cases)?,
-        many::<6>(stopwatch, &cases)?,
-        many::<8>(stopwatch, &cases)?,
-        many::<16>(stopwatch, &cases)?,
+        ),
+        many::<1>(stopwatch, &cases),
+        many::<2>(stopwatch, &cases),
+        many::<3>(stopwatch, &cases),
+        many::<4>(stopwatch, &cases),
+        many::<6>(stopwatch, &cases),
+        many::<8>(stopwatch, &cases),
+        many::<16>(stopwatch, &cases),
     ];
     let mut walks = 100;
     while walks <= most_walks {
@@ -71,10 +67,10 @@ pub fn reflectance(
                 .reflectance
                 .mean
         };
-        rows.push(stopwatch.row(("random walks", walks, 0), &cases, run, error)?);
+        rows.push(stopwatch.row(("random walks", walks, 0), &cases, run, error));
         walks *= 10;
     }
-    Ok(Task {
+    Task {
         name: "iris-reflectance".to_owned(),
         title: "Diffuse reflectance of an iris".to_owned(),
         call: "one iris at one wavelength".to_owned(),
@@ -85,13 +81,10 @@ pub fn reflectance(
         reference: "many fluxes with 24 nodes a hemisphere".to_owned(),
         unit: "reflectance".to_owned(),
         rows,
-    })
+    }
 }
 
-fn many<const N: usize>(
-    stopwatch: &mut Stopwatch,
-    cases: &[Stack],
-) -> Result<ErrorRow, TimingError> {
+fn many<const N: usize>(stopwatch: &Stopwatch, cases: &[Stack]) -> ErrorRow {
     let run = |case: &Stack| stack_many_flux::<N>(&case.layers).reflectance;
     let error = |case: &Stack, reflectance: f64| reflectance - case.reflectance;
     stopwatch.row(("many fluxes", N, 0), cases, run, error)
@@ -172,14 +165,14 @@ fn segments(count: usize) -> Vec<Segment> {
 }
 
 /// Single scattering along a segment: marches and the closed form; `count` segments.
-pub fn segment(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingError> {
+pub fn segment(stopwatch: &Stopwatch, count: usize) -> Task {
     let cases = segments(count);
     let error =
         |case: &Segment, light: DVec3| ((light - case.exact) / case.exact).abs().max_element();
     let mut rows = Vec::new();
     for steps in [1, 2, 4, 8, 16, 32, 64, 256, 1024, 4096] {
         let run = |case: &Segment| case.march(steps);
-        rows.push(stopwatch.row(("march", steps, 0), &cases, run, error)?);
+        rows.push(stopwatch.row(("march", steps, 0), &cases, run, error));
     }
     let run = |case: &Segment| {
         layer_segment_scatter(
@@ -190,8 +183,8 @@ pub fn segment(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingEr
             case.light_end,
         )
     };
-    rows.push(stopwatch.row(("closed form", "exact", 0), &cases, run, error)?);
-    Ok(Task {
+    rows.push(stopwatch.row(("closed form", "exact", 0), &cases, run, error));
+    Task {
         name: "segment".to_owned(),
         title: "Single scattering along a segment".to_owned(),
         call: "three colours of one segment".to_owned(),
@@ -202,5 +195,5 @@ pub fn segment(stopwatch: &mut Stopwatch, count: usize) -> Result<Task, TimingEr
         reference: "Gauss–Legendre quadrature with 320 points (largest of the colours)".to_owned(),
         unit: "relative".to_owned(),
         rows,
-    })
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::published_table::PublishedTable;
 use super::rows::{ErrorRow, Task};
-use super::timing::{Stopwatch, TimingError, WORKING_SET};
+use super::timing::{Stopwatch, WORKING_SET};
 use crate::optics::conicoid::{conicoid_normal, conicoid_sag};
 use crate::optics::fermat::descent::{DescentSettings, fermat_gradient_descent};
 use crate::optics::fermat::{FERMAT_STEPS, FermatSource, fermat_solve, fermat_solve_surely};
@@ -197,12 +197,7 @@ pub fn setting(size: RefractionSize) -> String {
 }
 
 /// Measures every method on `count` pairs.
-pub fn measure(
-    stopwatch: &mut Stopwatch,
-    tables: &Tables,
-    incidence: Incidence,
-    count: usize,
-) -> Result<Task, TimingError> {
+pub fn measure(stopwatch: &Stopwatch, tables: &Tables, incidence: Incidence, count: usize) -> Task {
     let eye = &tables.eye;
     let pairs = pairs(eye, incidence, count, 11);
     let error = |pair: &Pair, entry: DVec3| entry.distance(pair.entry);
@@ -213,14 +208,14 @@ pub fn measure(
     let mut rows: Vec<ErrorRow> = Vec::new();
     for planes in [2, 5, 20] {
         let run = |pair: &Pair| algorithm_1(eye, pair, planes);
-        rows.push(stopwatch.row((ALGORITHM_1, planes, 0), &pairs, run, error)?);
+        rows.push(stopwatch.row((ALGORITHM_1, planes, 0), &pairs, run, error));
     }
     for steps in 0..=FERMAT_STEPS {
         let run = |pair: &Pair| {
             let point = pair.place.extend(eye.iris_z_mm);
             fermat_solve(point, pair.light, eye.surface, eye.index, steps, 1e-26).entry
         };
-        rows.push(stopwatch.row((SOLVER, steps, 0), &pairs, run, error)?);
+        rows.push(stopwatch.row((SOLVER, steps, 0), &pairs, run, error));
     }
     let run = |pair: &Pair| {
         let point = pair.place.extend(eye.iris_z_mm);
@@ -228,10 +223,10 @@ pub fn measure(
         fermat_solve_surely(point, &source, eye.surface, eye.index)
             .map_or(DVec3::NAN, |found| found.entry)
     };
-    rows.push(stopwatch.row((SEARCH, "all steps", 0), &pairs, run, error)?);
+    rows.push(stopwatch.row((SEARCH, "all steps", 0), &pairs, run, error));
     for (name, table) in &tables.published {
         let run = |pair: &Pair| table.entry(pair.place, pair.light);
-        rows.push(stopwatch.row((PUBLISHED, name, table.bytes()), &pairs, run, error)?);
+        rows.push(stopwatch.row((PUBLISHED, name, table.bytes()), &pairs, run, error));
     }
     // The rim is outside of the tables' domain: how their error falls is of no account there.
     let among =
@@ -241,7 +236,7 @@ pub fn measure(
     let some = |name: &String| every(name) && among(name, &SIZES_OF_ALL);
     for (name, table) in tables.ours.iter().filter(|(name, _)| every(name)) {
         let run = |pair: &Pair| table.entry(pair.place, pair.light);
-        rows.push(stopwatch.row((TABLE, name, table.bytes()), &pairs, run, lifted)?);
+        rows.push(stopwatch.row((TABLE, name, table.bytes()), &pairs, run, lifted));
     }
     let asked: Vec<(DVec2, DVec3)> = pairs.iter().map(|pair| (pair.place, pair.light)).collect();
     let mut found = vec![DVec2::ZERO; pairs.len()];
@@ -250,23 +245,23 @@ pub fn measure(
         let errors = pairs.iter().zip(&found).map(|(pair, k)| lifted(pair, *k));
         let errors = errors.collect();
         let few = &asked[..asked.len().min(WORKING_SET)];
-        let ns = stopwatch.ns_per_case(&format!("{GROUPED} {name}"), few.len(), || {
+        let ns = stopwatch.ns_per_case(few.len(), || {
             table.entries(black_box(few), &mut found);
             black_box(&mut found);
-        })?;
+        });
         rows.push(ErrorRow::new(GROUPED, name, table.bytes(), ns, errors));
     }
     for (name, table) in tables.linear.iter().filter(|(name, _)| some(name)) {
         let run = |pair: &Pair| table.entry(pair.place, pair.light);
-        rows.push(stopwatch.row((LINEAR, name, table.bytes()), &pairs, run, lifted)?);
+        rows.push(stopwatch.row((LINEAR, name, table.bytes()), &pairs, run, lifted));
     }
     for (name, polynomial) in &tables.polynomials {
         let run = |pair: &Pair| polynomial.entry(pair.place, pair.light);
-        rows.push(stopwatch.row((POLYNOMIAL, name, polynomial.bytes()), &pairs, run, lifted)?);
+        rows.push(stopwatch.row((POLYNOMIAL, name, polynomial.bytes()), &pairs, run, lifted));
     }
     for (name, table) in tables.ours.iter().filter(|(name, _)| every(name)) {
         let run = |pair: &Pair| table.polished_entry(pair.place, pair.light);
-        rows.push(stopwatch.row((POLISHED, name, table.bytes()), &pairs, run, lifted)?);
+        rows.push(stopwatch.row((POLISHED, name, table.bytes()), &pairs, run, lifted));
     }
     let (name, title, range) = match incidence {
         Incidence::Domain => (TASK, "The two-point problem", "up to 80°"),
@@ -276,7 +271,7 @@ pub fn measure(
             "80 to 90° and in front of any fold",
         ),
     };
-    Ok(Task {
+    Task {
         name: name.to_owned(),
         title: title.to_owned(),
         call: "K for one place of the iris and one distant light".to_owned(),
@@ -288,7 +283,7 @@ pub fn measure(
         reference: "Snell's law traced forward from K (distance at K in space)".to_owned(),
         unit: "mm".to_owned(),
         rows,
-    })
+    }
 }
 
 /// A pair of one of several lights.
@@ -331,11 +326,7 @@ fn light_at(degrees: f64) -> DVec3 {
 
 /// Measures what many places of one light cost: the refraction function with the light fixed, beside
 /// the function itself and the solver; `count` places a light.
-pub fn measure_light(
-    stopwatch: &mut Stopwatch,
-    tables: &Tables,
-    count: usize,
-) -> Result<Task, TimingError> {
+pub fn measure_light(stopwatch: &Stopwatch, tables: &Tables, count: usize) -> Task {
     let eye = &tables.eye;
     let cases = lit(eye, count);
     let places: Vec<DVec2> = cases.iter().map(|case| case.pair.place).collect();
@@ -352,11 +343,11 @@ pub fn measure_light(
             let (point, light) = (case.pair.place.extend(eye.iris_z_mm), case.pair.light);
             fermat_solve(point, light, eye.surface, eye.index, steps, 1e-26).entry
         };
-        rows.push(stopwatch.row((SOLVER, steps, 0), &cases, run, error)?);
+        rows.push(stopwatch.row((SOLVER, steps, 0), &cases, run, error));
     }
     for (name, table) in ours() {
         let run = |case: &Lit| table.entry(case.pair.place, case.pair.light);
-        rows.push(stopwatch.row((TABLE, name, table.bytes()), &cases, run, lifted)?);
+        rows.push(stopwatch.row((TABLE, name, table.bytes()), &cases, run, lifted));
     }
     for (name, table) in ours() {
         let slices: Vec<RefractionSlice> = LIGHTS_DEG
@@ -365,7 +356,7 @@ pub fn measure_light(
             .collect();
         let bytes = size_of_val(slices[0].values()) + size_of_val(slices[0].frame());
         let run = |case: &Lit| slices[case.light].entry(case.pair.place);
-        rows.push(stopwatch.row((SLICE, name, bytes), &cases, run, lifted)?);
+        rows.push(stopwatch.row((SLICE, name, bytes), &cases, run, lifted));
         let mut entries = vec![DVec2::ZERO; count];
         let mut errors = Vec::with_capacity(cases.len());
         for (light, slice) in slices.iter().enumerate() {
@@ -374,18 +365,18 @@ pub fn measure_light(
             errors.extend(pairs.iter().zip(&entries).map(|(case, k)| lifted(case, *k)));
         }
         let few = &places[..count.min(WORKING_SET)];
-        let ns = stopwatch.ns_per_case(&format!("{GROUPED_SLICE} {name}"), few.len(), || {
+        let ns = stopwatch.ns_per_case(few.len(), || {
             slices[0].entries(black_box(few), &mut entries);
             black_box(&mut entries);
-        })?;
+        });
         rows.push(ErrorRow::new(GROUPED_SLICE, name, bytes, ns, errors));
         let run = |case: &Lit| {
             let k = slices[case.light].entry(case.pair.place);
             table.polish(k, case.pair.place, case.pair.light)
         };
-        rows.push(stopwatch.row((POLISHED_SLICE, name, bytes), &cases, run, lifted)?);
+        rows.push(stopwatch.row((POLISHED_SLICE, name, bytes), &cases, run, lifted));
     }
-    Ok(Task {
+    Task {
         name: LIGHT_TASK.to_owned(),
         title: "The two-point problem for one light".to_owned(),
         call: "K for one of many places with the same distant light; fixing the light is not in it"
@@ -398,5 +389,5 @@ pub fn measure_light(
         reference: "Snell's law traced forward from K (distance at K in space)".to_owned(),
         unit: "mm".to_owned(),
         rows,
-    })
+    }
 }

@@ -101,6 +101,17 @@ impl Oculomotor {
         }
     }
 
+    /// Says how far away in m the thing straight ahead is, as long as nothing has happened yet: an eye
+    /// without a candidate near there begins by looking at it. What is not above 0 does nothing.
+    pub fn set_ahead_distance(&mut self, distance_m: f64) {
+        if distance_m > 0.0 {
+            self.ahead_distance_m = distance_m;
+            if !self.started && self.mode == Mode::Auto && !self.chosen_once {
+                self.settle_ahead();
+            }
+        }
+    }
+
     /// Replaces the candidates at a time `t` in s; see [`Self::set_candidates`].
     ///
     /// # Errors
@@ -240,7 +251,8 @@ impl Oculomotor {
         }
     }
 
-    /// Straight ahead, at the distance of the candidate nearest to there, if one is near.
+    /// Straight ahead, at the distance of the candidate nearest to there, if one is near; else at the
+    /// distance of what is there.
     fn settle_ahead(&mut self) {
         let ahead = GazeAngles::default();
         let angle = |c: &Candidate| ahead.angle_to(GazeAngles::new(c.azimuth_rad, c.elevation_rad));
@@ -249,7 +261,7 @@ impl Oculomotor {
             .iter()
             .filter(|c| angle(c) < AHEAD_RAD)
             .min_by(|a, b| angle(a).total_cmp(&angle(b)));
-        let distance_m = nearest.map_or(f64::INFINITY, |c| c.distance_m);
+        let distance_m = nearest.map_or(self.ahead_distance_m, |c| c.distance_m);
         self.settle_on(Target {
             gaze: ahead,
             distance_m,

@@ -1,7 +1,8 @@
 //! Materials and textures of a glTF file.
 
 use super::super::model::{Alpha, SceneError, SceneMaterial, SceneTexture};
-use super::super::photo::{decode_image, read_file};
+use super::super::photo::read_named_file;
+use super::super::picture_file::{Meaning, decode_picture};
 use super::{EMISSION_CD_M2, Source};
 use gltf::texture::WrappingMode;
 use gltf::{Document, Texture, image};
@@ -88,11 +89,13 @@ impl Shelf {
             return Ok(index);
         }
         let name = format!("{} (image {})", source.name, image.index());
+        // The specification has textures ignore their colour profiles (glTF 2.0, 3.8.1).
+        let decode = |bytes: &[u8]| decode_picture(bytes, &name, 1, Meaning::Data);
         let decoded = match image.source() {
-            image::Source::View { view, .. } => decode_image(source.view(&view)?, &name, 1)?,
-            image::Source::Uri { uri, .. } => decode_image(&fetch(uri, source)?, &name, 1)?,
+            image::Source::View { view, .. } => decode(source.view(&view)?)?,
+            image::Source::Uri { uri, .. } => decode(&fetch(uri, source)?)?,
         };
-        let rgba = decoded.into_rgba8();
+        let rgba = decoded.image.into_rgba8();
         self.texels += u64::from(rgba.width()) * u64::from(rgba.height());
         if self.texels > MAX_TOTAL_TEXELS {
             return Err(source.content(format!(
@@ -128,7 +131,7 @@ fn fetch(uri: &str, source: &Source) -> Result<Vec<u8>, SceneError> {
             "it refers to \"{uri}\", but only files beside it are read"
         )));
     }
-    read_file(&base.join(percent_decode(uri)))
+    read_named_file(&base.join(percent_decode(uri)), "texture")
 }
 
 /// RFC 4648, section 4; white space is not allowed.

@@ -1,0 +1,170 @@
+//! Picture files as people have them: turned, in another colour space, cut off, or in a format that is
+//! not read.
+//!
+//! Enters: a file's bytes. Leaves: a [`PictureFile`]: the picture upright, its colours converted to sRGB
+//! ([`colour`]), and remarks on what was done or left out; or the sentence that says which format the
+//! file is and what to save it as.
+
+mod colour;
+mod jpeg;
+
+use super::model::SceneError;
+use super::photo::{MAX_SIDE_PX, MAX_TEXELS, one_clause};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+
+/// The formats that are read, for sentences.
+pub const READABLE: &str = "PNG, JPEG, WebP, GIF, TIFF or BMP image";
+
+/// A decoded picture.
+#[derive(Debug, Clone)]
+pub struct PictureFile {
+    /// The picture, upright.
+    pub image: DynamicImage,
+    /// What a user should know about how the file was read, one sentence each.
+    pub remarks: Vec<String>,
+}
+
+/// What the numbers of a picture mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// Colours: they are converted to sRGB by the file's colour profile.
+    Colour,
+    /// Measurements, such as distances: they stay as they are.
+    Data,
+}
+
+/// Decodes a file within this program's limits and with at least `min_side` pixels each way.
+pub fn decode_picture(
+    bytes: &[u8],
+    source_name: &str,
+    min_side: u32,
+    meaning: Meaning,
+) -> Result<PictureFile, SceneError> {
+    if bytes.is_empty() {
+        return Err(SceneError::Empty {
+            source_name: source_name.into(),
+        });
+    }
+    let malformed = |reason: String| SceneError::Malformed {
+        source_name: source_name.into(),
+        kind: READABLE,
+        reason,
+    };
+    let format = readable_format(bytes).map_err(malformed)?;
+    let mut decoder = ImageReader::with_format(Cursor::new(bytes), format)
+        .into_decoder()
+        .map_err(|error| malformed(one_clause(&error)))?;
+    check_size(decoder.dimensions(), min_side).map_err(malformed)?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE_PX);
+    limits.max_image_height = Some(MAX_SIDE_PX);
+    // 16-bit RGBA of the largest image that is let through, and a decoder's own buffers.
+    limits.max_alloc = Some(MAX_TEXELS * 8 + (64 << 20));
+    decoder
+        .set_limits(limits)
+        .map_err(|error| malformed(one_clause(&error)))?;
+    let mut remarks = Vec::new();
+    // A turn that cannot be read is none, as with the invalid value 0.
+    let turn = decoder.orientation().ok();
+    let profile = decoder.icc_profile().ok().flatten();
+    let mut image = match format {
+        ImageFormat::Jpeg => {
+            let facts = jpeg::inspect(bytes);
+            if !facts.is_whole {
+                remarks.push(format!(
+                    "\"{source_name}\" is cut off: its lower part may be missing."
+                ));
+            }
+            if facts.channels_follow_one_another {
+                jpeg::decode_channel_by_channel(bytes).map_err(malformed)?
+            } else {
+                DynamicImage::from_decoder(decoder).map_err(|e| malformed(one_clause(&e)))?
+            }
+        }
+        _ => DynamicImage::from_decoder(decoder).map_err(|e| malformed(one_clause(&e)))?,
+    };
+    if let Some(turn) = turn {
+        image.apply_orientation(turn);
+    }
+    if meaning == Meaning::Colour {
+        image = colour::to_srgb(image, format, bytes, profile.as_deref(), &mut |remark| {
+            remarks.push(format!("\"{source_name}\": {remark}"));
+        });
+    }
+    Ok(PictureFile { image, remarks })
+}
+
+fn check_size((width, height): (u32, u32), min_side: u32) -> Result<(), String> {
+    if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
+        return Err(format!(
+            "it is {width}×{height} pixels, but neither side may exceed {MAX_SIDE_PX}"
+        ));
+    }
+    if width < min_side || height < min_side {
+        return Err(format!(
+            "it is {width}×{height} pixels, but both sides must be at least {min_side}"
+        ));
+    }
+    if u64::from(width) * u64::from(height) > MAX_TEXELS {
+        return Err(format!(
+            "it is {width}×{height} pixels, but may have at most {MAX_TEXELS} in all"
+        ));
+    }
+    Ok(())
+}
+
+/// The format that the file's first bytes show, if it is one that is read; else what to do about it.
+fn readable_format(bytes: &[u8]) -> Result<ImageFormat, String> {
+    use ImageFormat::{Bmp, Gif, Jpeg, Png, Tiff, WebP};
+    match image::guess_format(bytes) {
+        Ok(format @ (Png | Jpeg | WebP | Gif | Tiff | Bmp)) => Ok(format),
+        _ => Err(foreign_format(bytes).map_or_else(
+            || "its content is of no known picture format".into(),
+            |name| format!("it is {name}, which is not read: save it as PNG or JPEG"),
+        )),
+    }
+}
+
+/// The picture format of a file that is not read, with its article.
+pub fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
+    // ISO base media files name their brand after `ftyp`.
+    if bytes.get(4..8) == Some(b"ftyp") {
+        return match bytes.get(8..12)? {
+            b"avif" | b"avis" => Some("an AVIF picture"),
+            b"heic" | b"heix" | b"heim" | b"heis" | b"hevc" | b"mif1" | b"msf1" => {
+                Some("a HEIC picture")
+            }
+            b"crx " => Some("a camera's raw picture (CR3)"),
+            _ => Some("a video"),
+        };
+    }
+    let starts: [(&[u8], &str); 13] = [
+        (b"\xff\x0a", "a JPEG XL picture"),
+        (b"\0\0\0\x0cJXL ", "a JPEG XL picture"),
+        (b"\0\0\0\x0cjP  ", "a JPEG 2000 picture"),
+        (b"\xff\x4f\xff\x51", "a JPEG 2000 picture"),
+        (b"8BPS", "a Photoshop document"),
+        (b"%PDF", "a PDF document"),
+        (b"<svg", "an SVG drawing"),
+        (b"#?RADIANCE", "a Radiance HDR picture"),
+        (b"\x76\x2f\x31\x01", "an OpenEXR picture"),
+        (b"DDS ", "a DDS texture"),
+        (b"\xabKTX ", "a KTX texture"),
+        (b"qoif", "a QOI picture"),
+        (b"\0\0\x01\0", "an icon (ICO)"),
+    ];
+    let known = starts
+        .iter()
+        .find(|(start, _)| bytes.starts_with(start))
+        .map(|(_, name)| *name);
+    let head = &bytes[..bytes.len().min(512)];
+    known.or_else(|| {
+        head.windows(4)
+            .any(|four| four == b"<svg")
+            .then_some("an SVG drawing")
+    })
+}
+
+#[cfg(test)]
+mod tests;
