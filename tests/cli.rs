@@ -1,5 +1,6 @@
 //! The program itself: what it prints, how it ends, and one sentence for every bad input.
 
+mod files;
 mod measure;
 mod results;
 
@@ -227,12 +228,12 @@ fn bad_images_are_refused_by_name() {
         (files.write("empty.png", b""), "is empty"),
         (
             files.write("truncated.png", &whole[..whole.len() / 2]),
-            "PNG or JPEG",
+            "PNG, JPEG",
         ),
-        (files.write("header.png", &whole[..20]), "PNG or JPEG"),
+        (files.write("header.png", &whole[..20]), "PNG, JPEG"),
         (
             files.write("text.png", b"not an image at all"),
-            "neither PNG nor JPEG",
+            "no known picture format",
         ),
         (files.picture("dot.png", 1, 1), "1×1"),
         (files.picture("wide.png", 20_000, 8), "20000×8"),

@@ -116,8 +116,11 @@ fn distance_m(vergence_d: f32) -> f32 {
     }
 }
 
+/// Grey codes, of 8 or 16 bits.
+type Codes = ImageBuffer<Luma<u16>, Vec<u16>>;
+
 /// The grey codes and the largest possible one; `None` where channels differ.
-fn grey_codes(image: &DynamicImage) -> Option<(ImageBuffer<Luma<u16>, Vec<u16>>, u16)> {
+fn grey_codes(image: &DynamicImage) -> Option<(Codes, u16)> {
     let eight_bits = matches!(
         image,
         DynamicImage::ImageLuma8(_)

@@ -141,4 +141,24 @@ fn render_leaves_whole_files_and_nothing_else() {
     let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
     assert_eq!((&report["frames"], &report["seed"]), (&2.into(), &1.into()));
     assert_eq!(report["size_px"], serde_json::json!([64, 32]));
+    // The first frame was there before the clock began; one that was drawn has a time.
+    assert!(report["frame_ms_median"].as_f64().expect("a time") > 0.0);
+    assert_eq!(report["frame_ms_mean"], report["frame_ms_max"]);
+    // A shorter run leaves no frame of the longer one, and says so.
+    let output = run(&[&arguments[..6], &["0.05"][..], &arguments[7..]].concat());
+    let said = text(&output.stderr);
+    assert!(
+        output.status.success() && said.contains("1 frames of an earlier"),
+        "{said}"
+    );
+    assert!(!files.path("deep/out/frame_00001.png").exists());
+    let report = fs::read(files.path("deep/out/report.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
+    assert_eq!(report["frame_ms_median"], serde_json::Value::Null);
+    assert!(
+        report["remarks"][0]
+            .as_str()
+            .expect("text")
+            .contains("earlier")
+    );
 }

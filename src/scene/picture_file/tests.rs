@@ -252,3 +252,26 @@ fn transparency_and_palettes_survive() {
     let picture = decode(&encoded(&clear.into(), ImageFormat::Png));
     assert_eq!(picture.image.to_rgba8().get_pixel(0, 0).0[3], 0);
 }
+
+#[test]
+fn inks_come_out_as_the_picture_they_were_made_from() {
+    let control = decode(include_bytes!("../../../tests/data/cmyk/rgb_control.png"));
+    let control = control.image.to_rgb8();
+    for bytes in [
+        &include_bytes!("../../../tests/data/cmyk/cmyk_transform0.jpg")[..],
+        include_bytes!("../../../tests/data/cmyk/ycck_transform2.jpg"),
+    ] {
+        let found = decode(bytes).image.to_rgb8();
+        assert_eq!(found.dimensions(), control.dimensions());
+        let off = |other: &RgbImage| {
+            let pairs = found.as_raw().iter().zip(other.as_raw());
+            pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum::<u64>() as f64
+                / found.as_raw().len() as f64
+        };
+        assert!(off(&control) < 3.0, "{}", off(&control));
+        // As Adobe stores them, inverted.
+        let mut inverted = control.clone();
+        image::imageops::invert(&mut inverted);
+        assert!(off(&inverted) > 30.0);
+    }
+}

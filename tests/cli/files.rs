@@ -1,0 +1,260 @@
+//! Files, folders and signals as they come: pipes and devices, depth pictures, two runs at once.
+
+use super::{Files, misused, program, refused, render_refused, run, said, text};
+use crate::stage::alone;
+use std::fs;
+use std::time::{Duration, Instant};
+
+/// A file of `tests/data`.
+fn data(name: &str) -> String {
+    format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn a_photograph_stands_where_it_is_put() {
+    let page = data("page.png");
+    for (arguments, part) in [
+        (&["--at", "0m"][..], "above 0"),
+        (&["--at", "5mm"], "nearer than 2 cm"),
+        (&["--at", "near"], "not a length"),
+        (&["--span", "200deg"], "1 to 120"),
+        (&["--span", "21"], "not a height"),
+        (&["--depth-unit", "mm"], "--depth"),
+    ] {
+        misused(
+            &[&["render", "--out", "x", "--scene", &page], arguments].concat(),
+            part,
+        );
+    }
+    for (arguments, part) in [
+        (&["--at", "0.4m", "--depth", &page][..], "--at"),
+        (&["--at", "inf", "--span", "21cm"], "must be an angle"),
+        (&["--at", "0.05m", "--span", "2m"], "must be 1° to 120°"),
+        (
+            &["--depth", &page, "--depth-unit", "cm", "--depth-near", "1m"],
+            "inverse only",
+        ),
+        (
+            &["--depth", "/no/depth.png"],
+            "The depth image \"/no/depth.png\" does not exist",
+        ),
+    ] {
+        render_refused(&[&["--scene", &page], arguments].concat(), &[part]);
+    }
+    render_refused(&["--at", "1m"], &["\"room\"", "photograph"]);
+}
+
+/// Where the eye looks first and how its lens stands, in a view of the page.
+#[test]
+fn the_lens_goes_to_the_page() {
+    let _alone = alone();
+    let files = Files::new();
+    let first_row = |patient: &str, extra: &[&str]| {
+        let out = files.name("page");
+        let page = data("page.png");
+        let fixed = [
+            "render",
+            "--patient",
+            patient,
+            "--scene",
+            &page,
+            "--panel",
+            "view",
+            "--size",
+            "64x48",
+            "--seconds",
+            "0.1",
+            "--fps",
+            "10",
+            "--out",
+            &out,
+        ];
+        let output = run(&[&fixed, extra].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let trace = fs::read_to_string(files.path("page/trace.csv")).expect("a trace");
+        let row = trace.lines().nth(1).expect("a row").to_owned();
+        let fields: Vec<f64> = row
+            .split(',')
+            .map(|field| field.parse().expect("a number"))
+            .collect();
+        (fields[8], fields[5])
+    };
+    let near = ["--at", "0.4m", "--span", "21cm"];
+    let (distance_m, young_d) = first_row("healthy-brown", &near);
+    assert!((distance_m - 0.4).abs() < 1e-6, "{distance_m} m");
+    let (_, old_d) = first_row("presbyope-60", &near);
+    // 2.5 D are asked for; at 60 years half a dioptre is left.
+    assert!(young_d > 1.8 && old_d < 0.8, "{young_d} and {old_d} D");
+    assert!((first_row("healthy-brown", &[]).0 - 3.0).abs() < 1e-5);
+}
+
+#[test]
+fn an_eye_without_corners_looks_at_what_is_ahead_and_about() {
+    let _alone = alone();
+    let files = Files::new();
+    let wall = files.name("wall.png");
+    image::RgbImage::from_pixel(64, 48, image::Rgb([150, 150, 150]))
+        .save(&wall)
+        .expect("saved");
+    let out = files.name("out");
+    let output = run(&[
+        "render",
+        "--scene",
+        &wall,
+        "--at",
+        "1m",
+        "--panel",
+        "view",
+        "--size",
+        "64x48",
+        "--seconds",
+        "4",
+        "--fps",
+        "5",
+        "--seed",
+        "2",
+        "--out",
+        &out,
+    ]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let trace = fs::read_to_string(files.path("out/trace.csv")).expect("a trace");
+    let mut places = std::collections::BTreeSet::new();
+    for row in trace.lines().skip(1) {
+        let fields: Vec<&str> = row.split(',').collect();
+        let distance_m: f64 = fields[8].parse().expect("a number");
+        assert!((distance_m - 1.0).abs() < 1e-5, "{row}");
+        places.insert(fields[9].to_owned());
+    }
+    assert!(places.len() >= 4, "it looked at {} places", places.len());
+}
+
+#[test]
+fn depth_pictures_as_tools_write_them() {
+    let _alone = alone();
+    let files = Files::new();
+    let checks = data("depth/checks.png");
+    let render = |depth: &str, extra: &[&str]| {
+        let out = files.name("out");
+        let depth = data(&format!("depth/{depth}"));
+        let fixed = [
+            "render",
+            "--scene",
+            &checks,
+            "--depth",
+            &depth,
+            "--panel",
+            "view",
+            "--size",
+            "96x64",
+            "--seconds",
+            "0.1",
+            "--fps",
+            "10",
+            "--patient",
+            "myope-3d",
+            "--out",
+            &out,
+        ];
+        let output = run(&[&fixed, extra].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report = fs::read_to_string(files.path("out/report.json")).expect("a report");
+        let frame = image::open(files.path("out/frame_00000.png"))
+            .expect("a frame")
+            .to_rgb8();
+        (frame, report)
+    };
+    let (grey, _) = render("inverse_grey8.png", &["--depth-near", "0.35m"]);
+    let (rgb, _) = render("inverse_grey_as_rgb8.png", &["--depth-near", "0.35m"]);
+    assert_eq!(grey, rgb);
+    let mean_off = |a: &image::RgbImage, b: &image::RgbImage| {
+        let sum: u64 = a
+            .as_raw()
+            .iter()
+            .zip(b.as_raw())
+            .map(|(a, b)| u64::from(a.abs_diff(*b)))
+            .sum();
+        sum as f64 / a.as_raw().len() as f64
+    };
+    let (millimetres, _) = render("millimetres_16.png", &["--depth-unit", "mm"]);
+    let (guessed, report) = render("millimetres_16.png", &[]);
+    assert_eq!(millimetres, guessed);
+    assert!(report.contains("read as millimetres"), "{report}");
+    // 8-bit codes are 0.01 D apart: a tenth of a pixel of blur. White at 0.5 m is another picture.
+    let (other, report) = render("inverse_grey8.png", &[]);
+    assert!(report.contains("read as inverse"), "{report}");
+    let (same, wrong) = (mean_off(&grey, &millimetres), mean_off(&grey, &other));
+    assert!(same < 0.5 && wrong > 2.0 * same, "{same} and {wrong} codes");
+}
+
+#[test]
+fn marks_of_editors_pass_and_control_characters_do_not() {
+    let files = Files::new();
+    let marked = files.write("marked.ron", b"\xef\xbb\xbf(name: \"Ann\")");
+    assert!(said(&["check", &marked]).contains("sound"));
+    let coloured = files.write("coloured.ron", b"(name: \"\x1b[31mAnn\")");
+    refused(&["check", &coloured], &["coloured.ron", "name", "control"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_and_pipes_are_refused_at_once() {
+    let files = Files::new();
+    let pipe = files.name("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.expect("mkfifo").success());
+    for path in ["/dev/zero", &pipe] {
+        refused(&["check", path], &[path, "pipe or a device"]);
+        refused(
+            &["features", path, "--threshold", "9"],
+            &[path, "pipe or a device"],
+        );
+        render_refused(&["--scene", path], &[path, "pipe or a device"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
+    let _alone = alone();
+    let files = Files::new();
+    let out = files.name("out");
+    let long = [
+        "render",
+        "--out",
+        &out,
+        "--size",
+        "64x32",
+        "--seconds",
+        "3000",
+        "--fps",
+        "20",
+    ];
+    for signal in ["-TERM", "-HUP"] {
+        let mut running = program(&long)
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .expect("it starts");
+        let started = Instant::now();
+        while !files.path("out/frame_00002.png").exists() {
+            assert!(started.elapsed() < Duration::from_secs(240), "no frame");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        refused(&long, &["cannot write", "another run"]);
+        let pid = running.id().to_string();
+        let sent = std::process::Command::new("kill")
+            .args([signal, &pid])
+            .status();
+        assert!(sent.expect("kill").success());
+        let status = running.wait().expect("it ends");
+        assert_eq!(status.code(), Some(130), "{signal}");
+        let trace = fs::read_to_string(files.path("out/trace.csv")).expect("a trace");
+        assert!(trace.lines().count() >= 4);
+        assert!(
+            fs::read_to_string(files.path("out/report.json"))
+                .expect("a report")
+                .contains("\"interrupted\": true")
+        );
+        assert!(!files.path("out/.ocularium-lock").exists());
+        fs::remove_dir_all(&out).expect("removed");
+    }
+}
