@@ -50,6 +50,9 @@ struct Shown {
     /// Height of a photograph: as an angle (20deg, 1 to 120; 50deg without it) or a length (21cm).
     #[arg(long, global = true, value_name = "HEIGHT", value_parser = parse_span)]
     span: Option<Span>,
+    /// What one unit of a glTF file is; the metre without it, as glTF says.
+    #[arg(long, global = true, value_enum, value_name = "UNIT")]
+    scene_unit: Option<SceneUnit>,
     /// Depth image of a photograph, grey.
     #[arg(long, global = true, value_name = "IMAGE")]
     depth: Option<PathBuf>,
@@ -182,6 +185,29 @@ impl ValueEnum for MeasureTable {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.name()).help(self.description()))
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SceneUnit {
+    /// Metre.
+    M,
+    /// Centimetre.
+    Cm,
+    /// Millimetre.
+    Mm,
+    /// Inch.
+    In,
+}
+
+impl SceneUnit {
+    fn metres(self) -> f32 {
+        match self {
+            Self::M => 1.0,
+            Self::Cm => 0.01,
+            Self::Mm => 0.001,
+            Self::In => 0.0254,
+        }
     }
 }
 
@@ -435,7 +461,14 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
         )
         .into());
     }
-    let scene = source.load(&options)?;
+    if !matches!(source, SceneSource::Model(_)) && shown.scene_unit.is_some() {
+        return Err(format!(
+            "--scene-unit is the unit of a glTF file, and the scene {:?} is none",
+            shown.scene
+        )
+        .into());
+    }
+    let scene = source.load(&options, shown.scene_unit.map(SceneUnit::metres))?;
     for remark in scene.remarks() {
         eprintln!("ocularium: {remark}");
     }

@@ -87,7 +87,7 @@ impl LoadedScene {
     /// What a user should know about how it was read, one sentence each.
     pub fn remarks(&self) -> &[String] {
         match self {
-            Self::Model(_) => &[],
+            Self::Model(model) => &model.remarks,
             Self::Photo(photo) => &photo.remarks,
         }
     }
@@ -146,11 +146,15 @@ impl SceneSource {
         }
     }
 
-    /// Loads it; a photograph with these options.
-    pub fn load(&self, options: &PhotoOptions) -> Result<LoadedScene, SceneError> {
+    /// Loads it: a photograph with these options, a model whose unit is `unit_m` metres.
+    pub fn load(
+        &self,
+        options: &PhotoOptions,
+        unit_m: Option<f32>,
+    ) -> Result<LoadedScene, SceneError> {
         match self {
             Self::BuiltIn(scene) => Ok(LoadedScene::Model(Box::new(scene.build()?))),
-            Self::Model(path) => Ok(LoadedScene::Model(Box::new(load_gltf(path)?))),
+            Self::Model(path) => Ok(LoadedScene::Model(Box::new(load_gltf(path, unit_m)?))),
             Self::Photo { path, depth } => {
                 let photo = load_photo(path, depth.as_deref(), options)?;
                 Ok(LoadedScene::Photo(Box::new(photo)))
@@ -160,7 +164,7 @@ impl SceneSource {
 
     /// [`SceneSource::parse`], then [`SceneSource::load`] with default [`PhotoOptions`].
     pub fn resolve(name_or_path: &str, depth: Option<&Path>) -> Result<LoadedScene, SceneError> {
-        Self::parse(name_or_path, depth)?.load(&PhotoOptions::default())
+        Self::parse(name_or_path, depth)?.load(&PhotoOptions::default(), None)
     }
 }
 

@@ -1,10 +1,10 @@
 //! Scenes from glTF 2.0 files (`.gltf`, `.glb`).
 //!
 //! Enters: a file or its bytes. Leaves: a [`SceneModel`] in world space. Taken from the file:
-//! triangles, strips and fans of the default scene with their nodes' transforms, normals (flat
-//! ones where there are none, as the specification demands), the first two texture uses a material
-//! has, vertex colours, `KHR_lights_punctual`, the first camera as the right eye. Emission 1 in a
-//! file is [`EMISSION_CD_M2`]. Points and lines, skins, morphs and animations are left out.
+//! triangles, strips and fans of the default scene with their nodes' transforms, skins and morphs at
+//! rest, normals (flat ones where there are none, as the specification demands), the first two texture
+//! uses a material has, vertex colours, `KHR_lights_punctual`, the first perspective camera as the
+//! right eye. Emission 1 in a file is [`EMISSION_CD_M2`]. Points, lines and animations are left out.
 //!
 //! Every accessor is checked against its buffer before it is read, so that no file can cause a
 //! panic or a read beyond its data.
@@ -13,11 +13,13 @@ use super::model::{EyePlacement, SceneError, SceneLight, SceneMesh, SceneModel};
 use super::photo::{one_clause, read_file};
 use super::trace::Tracer;
 use glam::{Mat3, Mat4, Vec3};
-use gltf::accessor::{DataType, Dimensions};
+use gltf::accessor::Dimensions;
 use gltf::{Accessor, Document, Primitive, Semantic, buffer, mesh::Mode};
+use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::path::Path;
 
+mod accessors;
 mod surfaces;
 
 /// Largest number of triangles that is accepted.
@@ -25,16 +27,20 @@ pub const MAX_TRIANGLES: usize = 20_000_000;
 /// Luminance of an emissive factor of 1, cd/m²: that of white in the default lights.
 pub const EMISSION_CD_M2: f32 = 150.0;
 
+/// Nearest that the eye is put before a scene without a camera, m: beyond the view's near plane.
+const NEAREST_M: f32 = 0.03;
 const MAX_NODES: usize = 1_000_000;
 const MAX_NODE_DEPTH: usize = 256;
 
-/// Loads a `.gltf` or `.glb` file and the buffers and images beside it.
-pub fn load_gltf(path: &Path) -> Result<SceneModel, SceneError> {
+/// Loads a `.gltf` or `.glb` file and the buffers and images beside it; `unit_m` metres are one unit
+/// of the file (`None`: one, as the specification says, and a scene of odd size is remarked on).
+pub fn load_gltf(path: &Path, unit_m: Option<f32>) -> Result<SceneModel, SceneError> {
     let bytes = read_file(path)?;
     load(
         &bytes,
         &path.display().to_string(),
         Some(path.parent().unwrap_or(Path::new("."))),
+        unit_m,
     )
 }
 
@@ -45,7 +51,7 @@ pub fn load_gltf_bytes(bytes: &[u8], source_name: &str) -> Result<SceneModel, Sc
             source_name: source_name.into(),
         });
     }
-    load(bytes, source_name, None)
+    load(bytes, source_name, None, None)
 }
 
 /// What the parts of the loader share.
@@ -53,6 +59,10 @@ struct Source<'a> {
     name: &'a str,
     base: Option<&'a Path>,
     buffers: Vec<buffer::Data>,
+    /// Accessors without data, whose elements are zeros.
+    blank: HashSet<usize>,
+    /// Whether whole numbers are shares of their range only where an accessor says so.
+    quantised: bool,
 }
 
 impl Source<'_> {
@@ -83,40 +93,6 @@ impl Source<'_> {
                 ))
             })
     }
-
-    /// Checks that an accessor has one of the given forms and lies inside its data.
-    fn check(
-        &self,
-        accessor: &Accessor,
-        what: &str,
-        forms: &[(Dimensions, DataType)],
-    ) -> Result<(), SceneError> {
-        let fault = |reason: &str| {
-            Err(self.malformed(format!("accessor {} ({what}) {reason}", accessor.index())))
-        };
-        if !forms.contains(&(accessor.dimensions(), accessor.data_type())) {
-            return fault("has a type that is not allowed there");
-        }
-        if accessor.sparse().is_some() {
-            return fault("is sparse, which is not supported");
-        }
-        let Some(view) = accessor.view() else {
-            return fault("has no data");
-        };
-        if accessor.count() == 0 {
-            return fault("has no elements");
-        }
-        let length = self.view(&view)?.len();
-        let stride = view.stride().unwrap_or(accessor.size());
-        let end = (accessor.count() - 1)
-            .checked_mul(stride)
-            .and_then(|n| n.checked_add(accessor.offset()))
-            .and_then(|n| n.checked_add(accessor.size()));
-        if stride < accessor.size() || end.is_none_or(|end| end > length) {
-            return fault("reaches beyond its buffer view");
-        }
-        Ok(())
-    }
 }
 
 fn malformed(name: &str, reason: impl Into<String>) -> SceneError {
@@ -127,15 +103,32 @@ fn malformed(name: &str, reason: impl Into<String>) -> SceneError {
     }
 }
 
-fn load(bytes: &[u8], name: &str, base: Option<&Path>) -> Result<SceneModel, SceneError> {
+fn load(
+    bytes: &[u8],
+    name: &str,
+    base: Option<&Path>,
+    unit_m: Option<f32>,
+) -> Result<SceneModel, SceneError> {
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)
         .map_err(|error| malformed(name, one_clause(&error)))?;
-    let json = document.into_json();
+    let mut json = document.into_json();
+    check_extensions(&json, name)?;
+    let quantised = json
+        .extensions_used
+        .iter()
+        .any(|name| name == "KHR_mesh_quantization");
+    // Read here ([`accessors`]), though the library does not know it.
+    json.extensions_required
+        .retain(|name| name != "KHR_mesh_quantization");
     // The library's validation looks accessors up before it knows that they exist.
     let known = json.accessors.len();
     let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let named =
-        primitives.flat_map(|primitive| primitive.attributes.values().chain(&primitive.indices));
+    let named = primitives.flat_map(|primitive| {
+        let targets = primitive.targets.iter().flatten();
+        let targets = targets.flat_map(|to| [&to.positions, &to.normals, &to.tangents]);
+        let own = primitive.attributes.values().chain(&primitive.indices);
+        own.chain(targets.flatten())
+    });
     if let Some(missing) = named
         .map(|index| index.value())
         .find(|&index| index >= known)
@@ -145,6 +138,18 @@ fn load(bytes: &[u8], name: &str, base: Option<&Path>) -> Result<SceneModel, Sce
             format!("a mesh names accessor {missing}, of which there are {known}"),
         ));
     }
+    // An accessor without data is all zeros, which the library's validation does not know.
+    let mut blank = HashSet::new();
+    if !json.buffer_views.is_empty() {
+        for (index, accessor) in json.accessors.iter_mut().enumerate() {
+            if accessor.buffer_view.is_none() {
+                accessor.buffer_view = Some(gltf::json::Index::new(0));
+                accessor.byte_offset = None;
+                blank.insert(index);
+            }
+        }
+    }
+    check_buffer_files(&json, name, base)?;
     let document =
         gltf::Document::from_json(json).map_err(|error| malformed(name, one_clause(&error)))?;
     let buffers = gltf::import_buffers(&document, base, blob)
@@ -153,6 +158,8 @@ fn load(bytes: &[u8], name: &str, base: Option<&Path>) -> Result<SceneModel, Sce
         name,
         base,
         buffers,
+        blank,
+        quantised,
     };
     let (mut materials, textures) = surfaces::read(&document, &source)?;
     materials.push(super::model::SceneMaterial::default());
@@ -163,7 +170,8 @@ fn load(bytes: &[u8], name: &str, base: Option<&Path>) -> Result<SceneModel, Sce
         background: [120.0, 140.0, 165.0],
         ..Default::default()
     };
-    let camera = walk(&document, &source, &mut scene)?;
+    let root = Mat4::from_scale(Vec3::splat(unit_m.unwrap_or(1.0)));
+    let camera = walk(&document, &source, root, &mut scene)?;
     if scene.triangle_count() == 0 {
         return Err(source.content("it has no meshes with triangles"));
     }
@@ -172,14 +180,86 @@ fn load(bytes: &[u8], name: &str, base: Option<&Path>) -> Result<SceneModel, Sce
         scene.lights = default_lights(&scene.eye);
     }
     scene.validate()?;
+    if unit_m.is_none() {
+        scene.remarks.extend(odd_size(&scene));
+    }
     scene.mean_luminance_cd_m2 = Tracer::new(&scene).mean_luminance_cd_m2(24);
     Ok(scene)
+}
+
+/// Compressions that are not read, and how to export without them.
+const COMPRESSIONS: [(&str, &str); 5] = [
+    ("KHR_draco_mesh_compression", "Draco mesh compression"),
+    ("EXT_meshopt_compression", "meshopt compression"),
+    ("KHR_meshopt_compression", "meshopt compression"),
+    (
+        "KHR_texture_basisu",
+        "KTX2 (Basis Universal) texture compression",
+    ),
+    ("EXT_texture_avif", "AVIF textures"),
+];
+
+fn check_extensions(json: &gltf::json::Root, name: &str) -> Result<(), SceneError> {
+    for required in &json.extensions_required {
+        if let Some((_, what)) = COMPRESSIONS.iter().find(|(name, _)| name == required) {
+            return Err(malformed(
+                name,
+                format!(
+                    "it needs {what} ({required}), which is not read: export it again with compression switched off"
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Names the buffer file that is not there, which the library does not.
+fn check_buffer_files(
+    json: &gltf::json::Root,
+    name: &str,
+    base: Option<&Path>,
+) -> Result<(), SceneError> {
+    let uris = json.buffers.iter().filter_map(|buffer| buffer.uri.as_ref());
+    for uri in uris.filter(|uri| !uri.starts_with("data:")) {
+        let there = base.is_some_and(|base| base.join(surfaces::percent_decode(uri)).is_file());
+        if !there {
+            return Err(malformed(
+                name,
+                format!("its buffer file \"{}\" is not beside it", one_clause(uri)),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Asks whether the unit is right where a scene is larger than 200 m or smaller than 5 cm: distance is
+/// what matters here.
+fn odd_size(scene: &SceneModel) -> Option<String> {
+    let (low, high) = scene.bounds()?;
+    let widest = (0..3).map(|k| high[k] - low[k]).fold(0.0f32, f32::max);
+    let size = if widest >= 1.0 {
+        format!("{widest:.0} m")
+    } else {
+        format!("{:.1} mm", widest * 1e3)
+    };
+    let guess = if widest > 200.0 {
+        "Is its unit the millimetre or the centimetre (--scene-unit mm, cm)?"
+    } else if widest < 0.05 {
+        "Is its unit another (--scene-unit cm, in)?"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "\"{}\" is {size} wide if its unit is the metre, as glTF says. {guess}",
+        scene.name
+    ))
 }
 
 /// Adds every node's meshes and lights to the scene; returns the first camera.
 fn walk(
     document: &Document,
     source: &Source,
+    base: Mat4,
     scene: &mut SceneModel,
 ) -> Result<Option<EyePlacement>, SceneError> {
     let root = document
@@ -187,31 +267,56 @@ fn walk(
         .or_else(|| document.scenes().next());
     // A file without a scene shows all the nodes that are nobody's children.
     let mut stack: Vec<_> = match root {
-        Some(root) => root.nodes().map(|node| (node, Mat4::IDENTITY, 0)).collect(),
+        Some(root) => root.nodes().map(|node| (node, base, 0)).collect(),
         None => {
             let children: Vec<usize> = document
                 .nodes()
                 .flat_map(|n| n.children().map(|c| c.index()).collect::<Vec<_>>())
                 .collect();
             let roots = document.nodes().filter(|n| !children.contains(&n.index()));
-            roots.map(|node| (node, Mat4::IDENTITY, 0)).collect()
+            roots.map(|node| (node, base, 0)).collect()
         }
     };
     stack.reverse();
-    let (mut camera, mut visited) = (None, 0);
+    // All places first: a skin's joints may come after its mesh.
+    let mut placed: Vec<(gltf::Node, Mat4)> = Vec::new();
     while let Some((node, parent, depth)) = stack.pop() {
-        visited += 1;
-        if depth > MAX_NODE_DEPTH || visited > MAX_NODES {
+        if depth > MAX_NODE_DEPTH || placed.len() >= MAX_NODES {
             return Err(source.malformed("its nodes form a loop or are nested too deeply"));
         }
         let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
+        let children: Vec<_> = node.children().collect();
+        placed.push((node, world));
+        stack.extend(
+            children
+                .into_iter()
+                .rev()
+                .map(|child| (child, world, depth + 1)),
+        );
+    }
+    let places: HashMap<usize, Mat4> = placed
+        .iter()
+        .map(|(node, world)| (node.index(), *world))
+        .collect();
+    let mut camera = None;
+    for (node, world) in placed {
+        let joints = node
+            .skin()
+            .map(|skin| joint_matrices(&skin, &places, source))
+            .transpose()?;
         if let Some(mesh) = node.mesh() {
             let name = mesh
                 .name()
                 .or(node.name())
                 .map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
             for primitive in mesh.primitives() {
-                if let Some(part) = read_primitive(&primitive, &name, world, source, scene)? {
+                let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
+                let pose = Pose {
+                    world,
+                    joints: joints.as_deref(),
+                    weights,
+                };
+                if let Some(part) = read_primitive(&primitive, &name, &pose, source, scene)? {
                     scene.meshes.push(part);
                 }
                 if scene.triangle_count() > MAX_TRIANGLES {
@@ -222,35 +327,139 @@ fn walk(
             }
         }
         if let (None, Some(lens)) = (&camera, node.camera()) {
-            camera = Some(
-                eye_of_camera(&lens, world)
-                    .ok_or_else(|| source.content("its camera has no usable orientation"))?,
-            );
+            if matches!(lens.projection(), gltf::camera::Projection::Orthographic(_)) {
+                scene.remarks.push(format!(
+                    "\"{}\": its camera {} is orthographic, which no eye is, and was passed over.",
+                    source.name,
+                    lens.index()
+                ));
+            } else {
+                camera = Some(
+                    eye_of_camera(&lens, world)
+                        .ok_or_else(|| source.content("its camera has no usable orientation"))?,
+                );
+            }
         }
         scene
             .lights
             .extend(node.light().and_then(|light| read_light(&light, world)));
-        let children: Vec<_> = node.children().collect();
-        stack.extend(
-            children
-                .into_iter()
-                .rev()
-                .map(|child| (child, world, depth + 1)),
-        );
     }
     Ok(camera)
+}
+
+/// How a mesh stands: at rest.
+struct Pose<'a> {
+    /// Its node's place.
+    world: Mat4,
+    /// The matrix of each joint of its skin, from the mesh to the world; its node's place then does
+    /// not matter (glTF 2.0, 3.7.3.3).
+    joints: Option<&'a [Mat4]>,
+    /// Weights of its morph targets.
+    weights: &'a [f32],
+}
+
+fn joint_matrices(
+    skin: &gltf::Skin,
+    places: &HashMap<usize, Mat4>,
+    source: &Source,
+) -> Result<Vec<Mat4>, SceneError> {
+    let inverse = skin
+        .inverse_bind_matrices()
+        .map(|accessor| accessors::read::<16>(source, &accessor, "inverse bind matrices", false))
+        .transpose()?;
+    let matrix = |(at, joint): (usize, gltf::Node)| {
+        let world = places
+            .get(&joint.index())
+            .copied()
+            .unwrap_or(Mat4::IDENTITY);
+        let bind = inverse.as_ref().and_then(|all| all.get(at));
+        world * bind.map_or(Mat4::IDENTITY, Mat4::from_cols_array)
+    };
+    Ok(skin.joints().enumerate().map(matrix).collect())
+}
+
+/// Moves positions and normals from the mesh to the world by the joints that hold each vertex.
+fn skin_vertices(
+    primitive: &Primitive,
+    joints: &[Mat4],
+    source: &Source,
+    positions: &mut [[f32; 3]],
+    normals: Option<&mut Vec<[f32; 3]>>,
+) -> Result<bool, SceneError> {
+    let (Some(held), Some(weights)) = (
+        primitive.get(&Semantic::Joints(0)),
+        primitive.get(&Semantic::Weights(0)),
+    ) else {
+        return Ok(false);
+    };
+    let held = accessors::read::<4>(source, &held, "joints", false)?;
+    let weights = accessors::read::<4>(source, &weights, "weights", true)?;
+    if held.len() != positions.len() || weights.len() != positions.len() {
+        return Err(source.malformed("a mesh has as many joints or weights as it has no vertices"));
+    }
+    let matrices: Vec<Mat4> = held
+        .iter()
+        .zip(&weights)
+        .map(|(held, weights)| {
+            let sum: f32 = weights.iter().sum();
+            let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            let parts = held.iter().zip(weights).map(|(&joint, &weight)| {
+                let matrix = joints
+                    .get(joint as usize)
+                    .copied()
+                    .unwrap_or(Mat4::IDENTITY);
+                matrix * (weight * share)
+            });
+            parts.fold(Mat4::ZERO, |sum, part| sum + part)
+        })
+        .collect();
+    for (position, matrix) in positions.iter_mut().zip(&matrices) {
+        *position = matrix.transform_point3((*position).into()).into();
+    }
+    for (normal, matrix) in normals.into_iter().flatten().zip(&matrices) {
+        let turned = matrix.transform_vector3((*normal).into());
+        *normal = turned.normalize_or_zero().into();
+    }
+    Ok(true)
+}
+
+/// Adds the weighted displacements of a primitive's morph targets.
+fn morph_vertices(
+    primitive: &Primitive,
+    weights: &[f32],
+    source: &Source,
+    positions: &mut [[f32; 3]],
+    mut normals: Option<&mut Vec<[f32; 3]>>,
+) -> Result<(), SceneError> {
+    let add = |to: &mut [[f32; 3]], by: Vec<[f32; 3]>, weight: f32| {
+        for (to, by) in to.iter_mut().zip(by) {
+            *to = std::array::from_fn(|k| to[k] + weight * by[k]);
+        }
+    };
+    for (target, &weight) in primitive.morph_targets().zip(weights) {
+        if weight == 0.0 || !weight.is_finite() {
+            continue;
+        }
+        if let Some(accessor) = target.positions() {
+            let by = accessors::read::<3>(source, &accessor, "morph target", false)?;
+            add(positions, by, weight);
+        }
+        if let (Some(normals), Some(accessor)) = (normals.as_deref_mut(), target.normals()) {
+            let by = accessors::read::<3>(source, &accessor, "morph target's normals", false)?;
+            add(normals, by, weight);
+        }
+    }
+    Ok(())
 }
 
 /// One primitive as a world-space mesh; `None` for points and lines.
 fn read_primitive(
     primitive: &Primitive,
     name: &str,
-    world: Mat4,
+    pose: &Pose,
     source: &Source,
     scene: &SceneModel,
 ) -> Result<Option<SceneMesh>, SceneError> {
-    use DataType::{F32, U8, U16, U32};
-    use Dimensions::{Scalar, Vec2, Vec3 as Three, Vec4};
     if !matches!(
         primitive.mode(),
         Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
@@ -260,60 +469,62 @@ fn read_primitive(
     let Some(positions) = primitive.get(&Semantic::Positions) else {
         return Err(source.content(format!("mesh \"{name}\" has no positions")));
     };
-    source.check(&positions, "positions", &[(Three, F32)])?;
+    let mut positions = accessors::read::<3>(source, &positions, "positions", false)?;
     let material = primitive
         .material()
         .index()
         .unwrap_or(scene.materials.len() - 1);
-    let uv_set = primitive
+    let texture = primitive
         .material()
         .pbr_metallic_roughness()
-        .base_color_texture()
-        .map_or(0, |t| t.tex_coord());
-    let uv_forms = [(Vec2, F32), (Vec2, U8), (Vec2, U16)];
-    let color_forms = [
-        (Three, F32),
-        (Three, U8),
-        (Three, U16),
-        (Vec4, F32),
-        (Vec4, U8),
-        (Vec4, U16),
-    ];
-    for (semantic, what, forms) in [
-        (Semantic::Normals, "normals", &[(Three, F32)][..]),
-        (
-            Semantic::TexCoords(uv_set),
-            "texture coordinates",
-            &uv_forms,
-        ),
-        (Semantic::Colors(0), "colours", &color_forms),
-    ] {
-        if let Some(accessor) = primitive.get(&semantic) {
-            source.check(&accessor, what, forms)?;
-        }
-    }
-    if let Some(accessor) = primitive.indices() {
-        source.check(
-            &accessor,
-            "indices",
-            &[(Scalar, U8), (Scalar, U16), (Scalar, U32)],
-        )?;
-    }
-    let reader = primitive.reader(|b| source.buffers.get(b.index()).map(|d| &d[..]));
-    let positions: Vec<[f32; 3]> = reader.read_positions().into_iter().flatten().collect();
-    let order: Vec<u32> = match reader.read_indices() {
-        Some(indices) => indices.into_u32().collect(),
+        .base_color_texture();
+    let transform = texture
+        .as_ref()
+        .and_then(|texture| texture.texture_transform());
+    let uv_set = texture.as_ref().map_or(0, |texture| {
+        let other = transform
+            .as_ref()
+            .and_then(|transform| transform.tex_coord());
+        other.unwrap_or(texture.tex_coord())
+    });
+    let order: Vec<u32> = match primitive.indices() {
+        Some(accessor) => accessors::read_indices(source, &accessor)?,
         None => (0..positions.len() as u32).collect(),
     };
-    let normals: Option<Vec<[f32; 3]>> = reader.read_normals().map(Iterator::collect);
+    let mut normals = primitive
+        .get(&Semantic::Normals)
+        .map(|accessor| accessors::read::<3>(source, &accessor, "normals", true))
+        .transpose()?;
+    let mut uvs = primitive
+        .get(&Semantic::TexCoords(uv_set))
+        .map(|accessor| {
+            accessors::read::<2>(source, &accessor, "texture coordinates", !source.quantised)
+        })
+        .transpose()?;
+    if let (Some(uvs), Some(transform)) = (&mut uvs, &transform) {
+        move_uvs(uvs, transform);
+    }
+    let colors = primitive
+        .get(&Semantic::Colors(0))
+        .map(|accessor| read_colors(source, &accessor))
+        .transpose()?;
+    morph_vertices(
+        primitive,
+        pose.weights,
+        source,
+        &mut positions,
+        normals.as_mut(),
+    )?;
+    let skinned = match pose.joints {
+        Some(joints) => skin_vertices(primitive, joints, source, &mut positions, normals.as_mut())?,
+        None => false,
+    };
+    let world = if skinned { Mat4::IDENTITY } else { pose.world };
     let textured = scene.materials[material].textures().next().is_some();
-    let uvs = reader
-        .read_tex_coords(uv_set)
-        .map(|t| t.into_f32().collect());
     let mut mesh = SceneMesh {
         name: name.into(),
         uvs: uvs.or_else(|| textured.then(|| vec![[0.0; 2]; positions.len()])),
-        colors: reader.read_colors(0).map(|c| c.into_rgba_f32().collect()),
+        colors,
         normals: vec![[0.0, 1.0, 0.0]; positions.len()],
         indices: triangles(primitive.mode(), &order),
         positions,
@@ -326,6 +537,24 @@ fn read_primitive(
     match mesh.fault(scene.materials.len()) {
         Some(fault) => Err(source.content(fault)),
         None => Ok(Some(mesh)),
+    }
+}
+
+fn read_colors(source: &Source, accessor: &Accessor) -> Result<Vec<[f32; 4]>, SceneError> {
+    if accessor.dimensions() == Dimensions::Vec3 {
+        let rgb = accessors::read::<3>(source, accessor, "colours", true)?;
+        return Ok(rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect());
+    }
+    accessors::read::<4>(source, accessor, "colours", true)
+}
+
+/// `KHR_texture_transform`: scale, then rotation (counter-clockwise in the picture), then offset.
+fn move_uvs(uvs: &mut [[f32; 2]], transform: &gltf::texture::TextureTransform) {
+    let (sin, cos) = transform.rotation().sin_cos();
+    let (offset, scale) = (transform.offset(), transform.scale());
+    for uv in uvs {
+        let [u, v] = [uv[0] * scale[0], uv[1] * scale[1]];
+        *uv = [cos * u + sin * v + offset[0], cos * v - sin * u + offset[1]];
     }
 }
 
@@ -408,8 +637,7 @@ fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
         .try_normalize()?;
     let (vertical, aspect) = match camera.projection() {
         gltf::camera::Projection::Perspective(p) => (p.yfov(), p.aspect_ratio().unwrap_or(1.0)),
-        // An eye has perspective; an orthographic camera only says where to stand.
-        gltf::camera::Projection::Orthographic(_) => (0.7, 1.0),
+        gltf::camera::Projection::Orthographic(_) => return None,
     };
     let vertical = vertical.clamp(0.02, 2.6);
     let horizontal = 2.0 * ((0.5 * vertical).tan() * aspect.clamp(0.1, 10.0)).atan();
@@ -433,7 +661,19 @@ fn frame(scene: &SceneModel) -> EyePlacement {
     let half = (high - low) / 2.0;
     let spread = half.x.max(half.y).max(0.1 * half.z).max(1e-3);
     let distance = spread / (0.7 * (0.5 * eye.vertical_fov_deg.to_radians()).tan());
+    let distance = distance.max(NEAREST_M);
     let centre = (low + high) / 2.0;
+    if half.y < 0.05 * half.x.max(half.z) {
+        // A floor, seen level, is a line: look down on it by 30°.
+        let forward = Vec3::new(0.0, -0.5, -0.75f32.sqrt());
+        let position = centre - forward * distance.max(half.x.max(half.z) * 2.0);
+        return EyePlacement {
+            position_m: position.into(),
+            forward: forward.into(),
+            up: Vec3::new(0.0, 0.75f32.sqrt(), -0.5).into(),
+            ..eye
+        };
+    }
     let position = Vec3::new(centre.x, centre.y, high.z + distance);
     EyePlacement {
         position_m: position.into(),

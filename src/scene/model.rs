@@ -26,6 +26,8 @@ pub struct SceneModel {
     pub background: [f32; 3],
     /// Mean luminance of the view from [`SceneModel::eye`], cd/m²; it drives the pupil.
     pub mean_luminance_cd_m2: f64,
+    /// What a user should know about how the file was read, one sentence each.
+    pub remarks: Vec<String>,
 }
 
 /// Triangles that share one material.

@@ -48,6 +48,7 @@ fn read_material(
             low
         }
     };
+    let strength = finite(material.emissive_strength().unwrap_or(1.0), 0.0, 1e6);
     let read = SceneMaterial {
         name: material.name().unwrap_or("unnamed").into(),
         base_color: surface.base_color_factor().map(|c| finite(c, 0.0, 1.0)),
@@ -55,7 +56,7 @@ fn read_material(
         roughness: finite(surface.roughness_factor(), 0.0, 1.0),
         emissive: material
             .emissive_factor()
-            .map(|e| finite(e, 0.0, 1e4) * EMISSION_CD_M2),
+            .map(|e| finite(e, 0.0, 1e4) * strength * EMISSION_CD_M2),
         base_color_texture: texture(surface.base_color_texture().map(|t| t.texture()), true)?,
         emissive_texture: texture(material.emissive_texture().map(|t| t.texture()), true)?,
         metallic_roughness_texture: texture(
@@ -159,7 +160,7 @@ pub(super) fn base64_decode(text: &str) -> Option<Vec<u8>> {
 }
 
 /// RFC 3986, section 2.1; what is not an escape stays as it is.
-fn percent_decode(uri: &str) -> String {
+pub(super) fn percent_decode(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let (mut decoded, mut at) = (Vec::with_capacity(bytes.len()), 0);
     while at < bytes.len() {

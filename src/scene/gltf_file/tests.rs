@@ -246,7 +246,7 @@ fn each_bad_file_gets_its_own_sentence() {
         .trim_end_matches(|c| c != '}')
         .replace(r#""byteLength":52"#, r#""byteLength":52,"uri":"q.bin""#);
     assert!(message(json.as_bytes()).contains("glTF file"));
-    let error = load_gltf(Path::new("/no/such.glb")).unwrap_err();
+    let error = load_gltf(Path::new("/no/such.glb"), None).unwrap_err();
     assert_eq!(
         error.to_string(),
         "The scene file \"/no/such.glb\" does not exist."
@@ -262,4 +262,170 @@ proptest! {
         file.truncate(file.len().saturating_sub(cut % 7 * cut));
         let _ = load_gltf_bytes(&file, "damaged.glb");
     }
+}
+
+/// A file of `tests/data/gltf`.
+fn case(name: &str, unit_m: Option<f32>) -> Result<SceneModel, SceneError> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    load_gltf(&folder.join(name), unit_m)
+}
+
+/// Largest distance between the corners of two scenes' triangles, m.
+fn apart(one: &SceneModel, other: &SceneModel) -> f32 {
+    let corners = |scene: &SceneModel| -> Vec<Vec3> {
+        let mesh = &scene.meshes[0];
+        let mut all: Vec<Vec3> = mesh
+            .indices
+            .iter()
+            .map(|&index| mesh.positions[index as usize].into())
+            .collect();
+        all.sort_by(|a, b| {
+            a.to_array()
+                .map(|c| c.to_bits())
+                .cmp(&b.to_array().map(|c| c.to_bits()))
+        });
+        all.dedup();
+        all
+    };
+    let (one, other) = (corners(one), corners(other));
+    assert_eq!(one.len(), other.len());
+    one.iter()
+        .zip(&other)
+        .map(|(a, b)| a.distance(*b))
+        .fold(0.0, f32::max)
+}
+
+#[test]
+fn what_exporters_write_is_the_control() {
+    let control = case("quad_control.gltf", None).unwrap();
+    assert!(control.remarks.is_empty());
+    for (name, unit_m) in [
+        ("morph_without_buffer_view.gltf", None),
+        ("sparse_position.gltf", None),
+        ("mirrored.gltf", None),
+        ("quantised.gltf", None),
+        ("in_millimetres.gltf", Some(0.001)),
+    ] {
+        let scene = case(name, unit_m).unwrap();
+        // A rounding of 0.0001 or 0.001 in single precision, at 3 m.
+        assert!(
+            apart(&control, &scene) < 1e-6,
+            "{name}: {} m",
+            apart(&control, &scene)
+        );
+        assert!(
+            scene.meshes[0]
+                .normals
+                .iter()
+                .all(|n| Vec3::from(*n).distance(Vec3::Z) < 1e-5),
+            "{name}"
+        );
+        assert!(scene.remarks.is_empty(), "{name}");
+    }
+    // Sparse data that were not applied, or a unit that is not known, are another scene.
+    let large = case("in_millimetres.gltf", None).unwrap();
+    assert!(apart(&control, &large) > 100.0);
+    assert!(large.remarks[0].contains("2000 m") && large.remarks[0].contains("--scene-unit"));
+}
+
+#[test]
+fn joints_move_a_skin_and_its_own_node_does_not() {
+    let control = case("skin_control.gltf", None).unwrap();
+    for name in ["skin_a.gltf", "skin_b.gltf"] {
+        assert!(apart(&control, &case(name, None).unwrap()) < 1e-6, "{name}");
+    }
+    // One parameter away: the joint a tenth of a metre farther.
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    let text = std::fs::read_to_string(folder.join("skin_a.gltf")).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    json["nodes"][1]["translation"] = serde_json::json!([1.1, 0, 0]);
+    let moved = load_gltf_bytes(json.to_string().as_bytes(), "moved").unwrap();
+    assert!((apart(&control, &moved) - 0.1).abs() < 1e-6);
+}
+
+#[test]
+fn morphs_stand_at_rest() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    let text = std::fs::read_to_string(folder.join("quad_control.gltf")).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    // Half of a displacement by its own positions: 1.5 times as large and as far.
+    json["meshes"][0]["primitives"][0]["targets"] = serde_json::json!([{"POSITION": 0}]);
+    json["meshes"][0]["weights"] = serde_json::json!([0.5]);
+    let scene = load_gltf_bytes(json.to_string().as_bytes(), "morph").unwrap();
+    let (low, high) = scene.bounds().unwrap();
+    assert_eq!((low, high), ([-1.5, -1.5, -4.5], [1.5, 1.5, -4.5]));
+    // A target that names no accessor is refused, as any other.
+    json["meshes"][0]["primitives"][0]["targets"] = serde_json::json!([{"POSITION": 99}]);
+    let error = load_gltf_bytes(json.to_string().as_bytes(), "morph").unwrap_err();
+    assert!(error.to_string().contains("accessor 99"), "{error}");
+}
+
+#[test]
+fn extensions_are_read_or_named() {
+    let bright = case("emissive_strength_10.gltf", None).unwrap();
+    assert_eq!(bright.materials[0].emissive, [10.0 * EMISSION_CD_M2; 3]);
+    let uvs = case("texture_transform.gltf", None).unwrap().meshes[0]
+        .uvs
+        .clone()
+        .unwrap();
+    // An offset and a scale of a half: the last quarter of the picture.
+    assert!(
+        uvs.iter().flatten().all(|c| (0.5..=1.0).contains(c)),
+        "{uvs:?}"
+    );
+    let second = case("orthographic_first.gltf", None).unwrap();
+    assert!((second.eye.vertical_fov_deg - 0.9f32.to_degrees()).abs() < 1e-3);
+    assert_eq!(second.eye.position_m, [0.0, 0.0, 1.0]);
+    assert!(second.remarks[0].contains("orthographic"));
+    for (name, what) in [
+        ("needs_KHR_draco_mesh_compression.gltf", "Draco"),
+        ("needs_EXT_meshopt_compression.gltf", "meshopt"),
+    ] {
+        let error = case(name, None).unwrap_err().to_string();
+        assert!(
+            error.contains(what) && error.contains("export it again"),
+            "{error}"
+        );
+    }
+    let sun = case("sun_68300_lux.gltf", None).unwrap();
+    // A matt grey of about a half in 68,300 lx: E ρ / π is 10,000 cd/m², diluted by what is around.
+    assert!(
+        sun.mean_luminance_cd_m2 > 1000.0,
+        "{}",
+        sun.mean_luminance_cd_m2
+    );
+}
+
+#[test]
+fn small_things_and_floors_are_framed() {
+    let eye_of = |half: [f32; 3]| {
+        let scene = SceneModel {
+            meshes: vec![SceneMesh {
+                positions: vec![half.map(|c| -c), half],
+                ..SceneMesh::default()
+            }],
+            ..SceneModel::default()
+        };
+        frame(&scene)
+    };
+    let dot = eye_of([0.005, 0.005, 0.005]);
+    assert!(dot.position_m[2] - 0.005 >= 0.02, "{dot:?}");
+    let floor = eye_of([2.0, 0.0, 2.0]);
+    assert!(
+        floor.position_m[1] > 0.5 && floor.forward[1] < -0.4,
+        "{floor:?}"
+    );
+}
+
+#[test]
+fn a_buffer_that_is_not_there_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    let text = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"far%20away.bin"}]}"#;
+    std::fs::write(&path, text).unwrap();
+    let error = load_gltf(&path, None).unwrap_err().to_string();
+    assert!(
+        error.contains("far%20away.bin") && error.len() < 400,
+        "{error}"
+    );
 }
