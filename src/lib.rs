@@ -12,6 +12,7 @@
 pub mod anatomy;
 pub mod app;
 pub mod appearance;
+mod input_file;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lab;
 pub mod ledger;

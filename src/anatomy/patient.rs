@@ -5,6 +5,7 @@
 //! field is wrong, what it holds and what is allowed.
 
 use super::components::Laterality;
+use crate::input_file::read_input_file;
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::IrisPigment;
 use serde::{Deserialize, Serialize};
@@ -472,21 +473,8 @@ pub fn load_patient(name_or_path: &str) -> Result<PatientFile, PatientError> {
             file: name_or_path.into(),
             reason,
         };
-        let found = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
-        if found.is_dir() {
-            return Err(unreadable("it is a folder, not a file".into()));
-        }
-        // A pipe may wait forever, a device may never end.
-        if !found.is_file() {
-            return Err(unreadable("it is a pipe or a device, not a file".into()));
-        }
-        if found.len() > MAX_FILE_BYTES {
-            return Err(unreadable(format!(
-                "it has {} bytes; a patient file has at most {MAX_FILE_BYTES}",
-                found.len()
-            )));
-        }
-        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+        let bytes =
+            read_input_file(path, MAX_FILE_BYTES).map_err(|error| unreadable(error.to_string()))?;
         let text = String::from_utf8(bytes)
             .map_err(|_| unreadable("it is not UTF-8 text, so not a patient file".into()))?;
         return parse_patient(&text, name_or_path);

@@ -99,7 +99,9 @@ pub struct RenderReport {
     pub frame_ms_max: Option<f64>,
     /// Work done from the first frame to the last.
     pub work: Work,
-    /// What a user should know about files that were read or replaced, one sentence each.
+    /// Frames of an earlier, longer run into the same folder that were removed.
+    pub removed_frames: u64,
+    /// What a user should know about how the scene was read, one sentence each.
     pub remarks: Vec<String>,
 }
 
@@ -158,7 +160,7 @@ pub fn render(
 ) -> Result<RenderReport, RenderError> {
     prepare_folder(&request.out)?;
     let lock = FolderLock::take(&request.out)?;
-    let mut remarks = session.scene.remarks().to_vec();
+    let remarks = session.scene.remarks().to_vec();
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
@@ -203,13 +205,7 @@ pub fn render(
         .corners
         .len();
     let frames = rows.len() as u64;
-    let stale = remove_later_frames(&request.out, frames)?;
-    if stale > 0 {
-        remarks.push(format!(
-            "{stale} frames of an earlier, longer run were removed from {}.",
-            request.out.display()
-        ));
-    }
+    let removed_frames = remove_later_frames(&request.out, frames)?;
     let drawn = !times_ms.is_empty();
     let report = RenderReport {
         version: env!("CARGO_PKG_VERSION"),
@@ -230,6 +226,7 @@ pub fn render(
         frame_ms_median: drawn.then(|| median(&mut times_ms.clone())),
         frame_ms_max: drawn.then(|| times_ms.iter().copied().fold(0.0, f64::max)),
         work: headless.work().since(before),
+        removed_frames,
         remarks,
     };
     let json = serde_json::to_vec_pretty(&report).map_err(|error| WriteError {

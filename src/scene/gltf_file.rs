@@ -20,15 +20,20 @@ use std::f32::consts::PI;
 use std::path::Path;
 
 mod accessors;
+mod framing;
+mod pose;
+mod refusals;
 mod surfaces;
+
+use framing::{frame, odd_size};
+use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
+use refusals::{check_buffer_files, check_extensions};
 
 /// Largest number of triangles that is accepted.
 pub const MAX_TRIANGLES: usize = 20_000_000;
 /// Luminance of an emissive factor of 1, cd/m²: that of white in the default lights.
 pub const EMISSION_CD_M2: f32 = 150.0;
 
-/// Nearest that the eye is put before a scene without a camera, m: beyond the view's near plane.
-const NEAREST_M: f32 = 0.03;
 const MAX_NODES: usize = 1_000_000;
 const MAX_NODE_DEPTH: usize = 256;
 
@@ -187,74 +192,6 @@ fn load(
     Ok(scene)
 }
 
-/// Compressions that are not read, and how to export without them.
-const COMPRESSIONS: [(&str, &str); 5] = [
-    ("KHR_draco_mesh_compression", "Draco mesh compression"),
-    ("EXT_meshopt_compression", "meshopt compression"),
-    ("KHR_meshopt_compression", "meshopt compression"),
-    (
-        "KHR_texture_basisu",
-        "KTX2 (Basis Universal) texture compression",
-    ),
-    ("EXT_texture_avif", "AVIF textures"),
-];
-
-fn check_extensions(json: &gltf::json::Root, name: &str) -> Result<(), SceneError> {
-    for required in &json.extensions_required {
-        if let Some((_, what)) = COMPRESSIONS.iter().find(|(name, _)| name == required) {
-            return Err(malformed(
-                name,
-                format!(
-                    "it needs {what} ({required}), which is not read: export it again with compression switched off"
-                ),
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// Names the buffer file that is not there, which the library does not.
-fn check_buffer_files(
-    json: &gltf::json::Root,
-    name: &str,
-    base: Option<&Path>,
-) -> Result<(), SceneError> {
-    let uris = json.buffers.iter().filter_map(|buffer| buffer.uri.as_ref());
-    for uri in uris.filter(|uri| !uri.starts_with("data:")) {
-        let there = base.is_some_and(|base| base.join(surfaces::percent_decode(uri)).is_file());
-        if !there {
-            return Err(malformed(
-                name,
-                format!("its buffer file \"{}\" is not beside it", one_clause(uri)),
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// Asks whether the unit is right where a scene is larger than 200 m or smaller than 5 cm: distance is
-/// what matters here.
-fn odd_size(scene: &SceneModel) -> Option<String> {
-    let (low, high) = scene.bounds()?;
-    let widest = (0..3).map(|k| high[k] - low[k]).fold(0.0f32, f32::max);
-    let size = if widest >= 1.0 {
-        format!("{widest:.0} m")
-    } else {
-        format!("{:.1} mm", widest * 1e3)
-    };
-    let guess = if widest > 200.0 {
-        "Is its unit the millimetre or the centimetre (--scene-unit mm, cm)?"
-    } else if widest < 0.05 {
-        "Is its unit another (--scene-unit cm, in)?"
-    } else {
-        return None;
-    };
-    Some(format!(
-        "\"{}\" is {size} wide if its unit is the metre, as glTF says. {guess}",
-        scene.name
-    ))
-}
-
 /// Adds every node's meshes and lights to the scene; returns the first camera.
 fn walk(
     document: &Document,
@@ -345,111 +282,6 @@ fn walk(
             .extend(node.light().and_then(|light| read_light(&light, world)));
     }
     Ok(camera)
-}
-
-/// How a mesh stands: at rest.
-struct Pose<'a> {
-    /// Its node's place.
-    world: Mat4,
-    /// The matrix of each joint of its skin, from the mesh to the world; its node's place then does
-    /// not matter (glTF 2.0, 3.7.3.3).
-    joints: Option<&'a [Mat4]>,
-    /// Weights of its morph targets.
-    weights: &'a [f32],
-}
-
-fn joint_matrices(
-    skin: &gltf::Skin,
-    places: &HashMap<usize, Mat4>,
-    source: &Source,
-) -> Result<Vec<Mat4>, SceneError> {
-    let inverse = skin
-        .inverse_bind_matrices()
-        .map(|accessor| accessors::read::<16>(source, &accessor, "inverse bind matrices", false))
-        .transpose()?;
-    let matrix = |(at, joint): (usize, gltf::Node)| {
-        let world = places
-            .get(&joint.index())
-            .copied()
-            .unwrap_or(Mat4::IDENTITY);
-        let bind = inverse.as_ref().and_then(|all| all.get(at));
-        world * bind.map_or(Mat4::IDENTITY, Mat4::from_cols_array)
-    };
-    Ok(skin.joints().enumerate().map(matrix).collect())
-}
-
-/// Moves positions and normals from the mesh to the world by the joints that hold each vertex.
-fn skin_vertices(
-    primitive: &Primitive,
-    joints: &[Mat4],
-    source: &Source,
-    positions: &mut [[f32; 3]],
-    normals: Option<&mut Vec<[f32; 3]>>,
-) -> Result<bool, SceneError> {
-    let (Some(held), Some(weights)) = (
-        primitive.get(&Semantic::Joints(0)),
-        primitive.get(&Semantic::Weights(0)),
-    ) else {
-        return Ok(false);
-    };
-    let held = accessors::read::<4>(source, &held, "joints", false)?;
-    let weights = accessors::read::<4>(source, &weights, "weights", true)?;
-    if held.len() != positions.len() || weights.len() != positions.len() {
-        return Err(source.malformed("a mesh has as many joints or weights as it has no vertices"));
-    }
-    let matrices: Vec<Mat4> = held
-        .iter()
-        .zip(&weights)
-        .map(|(held, weights)| {
-            let sum: f32 = weights.iter().sum();
-            let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-            let parts = held.iter().zip(weights).map(|(&joint, &weight)| {
-                let matrix = joints
-                    .get(joint as usize)
-                    .copied()
-                    .unwrap_or(Mat4::IDENTITY);
-                matrix * (weight * share)
-            });
-            parts.fold(Mat4::ZERO, |sum, part| sum + part)
-        })
-        .collect();
-    for (position, matrix) in positions.iter_mut().zip(&matrices) {
-        *position = matrix.transform_point3((*position).into()).into();
-    }
-    for (normal, matrix) in normals.into_iter().flatten().zip(&matrices) {
-        let turned = matrix.transform_vector3((*normal).into());
-        *normal = turned.normalize_or_zero().into();
-    }
-    Ok(true)
-}
-
-/// Adds the weighted displacements of a primitive's morph targets.
-fn morph_vertices(
-    primitive: &Primitive,
-    weights: &[f32],
-    source: &Source,
-    positions: &mut [[f32; 3]],
-    mut normals: Option<&mut Vec<[f32; 3]>>,
-) -> Result<(), SceneError> {
-    let add = |to: &mut [[f32; 3]], by: Vec<[f32; 3]>, weight: f32| {
-        for (to, by) in to.iter_mut().zip(by) {
-            *to = std::array::from_fn(|k| to[k] + weight * by[k]);
-        }
-    };
-    for (target, &weight) in primitive.morph_targets().zip(weights) {
-        if weight == 0.0 || !weight.is_finite() {
-            continue;
-        }
-        if let Some(accessor) = target.positions() {
-            let by = accessors::read::<3>(source, &accessor, "morph target", false)?;
-            add(positions, by, weight);
-        }
-        if let (Some(normals), Some(accessor)) = (normals.as_deref_mut(), target.normals()) {
-            let by = accessors::read::<3>(source, &accessor, "morph target's normals", false)?;
-            add(normals, by, weight);
-        }
-    }
-    Ok(())
 }
 
 /// One primitive as a world-space mesh; `None` for points and lines.
@@ -648,37 +480,6 @@ fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
         vertical_fov_deg: vertical.to_degrees(),
         horizontal_fov_deg: horizontal.to_degrees(),
     })
-}
-
-/// An eye in front of the scene (at +z), at the height of its middle, so far away that the nearer
-/// side fills 70 % of the view.
-fn frame(scene: &SceneModel) -> EyePlacement {
-    let eye = EyePlacement::default();
-    let Some((low, high)) = scene.bounds() else {
-        return eye;
-    };
-    let (low, high) = (Vec3::from(low), Vec3::from(high));
-    let half = (high - low) / 2.0;
-    let spread = half.x.max(half.y).max(0.1 * half.z).max(1e-3);
-    let distance = spread / (0.7 * (0.5 * eye.vertical_fov_deg.to_radians()).tan());
-    let distance = distance.max(NEAREST_M);
-    let centre = (low + high) / 2.0;
-    if half.y < 0.05 * half.x.max(half.z) {
-        // A floor, seen level, is a line: look down on it by 30°.
-        let forward = Vec3::new(0.0, -0.5, -0.75f32.sqrt());
-        let position = centre - forward * distance.max(half.x.max(half.z) * 2.0);
-        return EyePlacement {
-            position_m: position.into(),
-            forward: forward.into(),
-            up: Vec3::new(0.0, 0.75f32.sqrt(), -0.5).into(),
-            ..eye
-        };
-    }
-    let position = Vec3::new(centre.x, centre.y, high.z + distance);
-    EyePlacement {
-        position_m: position.into(),
-        ..eye
-    }
 }
 
 /// A key light over the viewer's left shoulder and light from everywhere; white is about

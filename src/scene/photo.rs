@@ -8,6 +8,7 @@
 use super::depth_file::{DepthUnit, read_depth};
 use super::model::{SceneError, luminance, srgb16_to_linear};
 use super::picture_file::{Meaning, decode_picture};
+use crate::input_file::read_input_file;
 use std::path::Path;
 
 /// Largest width or height of an image, texels: the largest texture of a common GPU.
@@ -120,32 +121,17 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
 
 /// [`read_file`] of a file that sentences call `kind`.
 pub fn read_named_file(path: &Path, kind: &'static str) -> Result<Vec<u8>, SceneError> {
-    let unreadable = |reason: String| SceneError::Unreadable {
-        kind,
-        path: path.into(),
-        reason,
-    };
-    let found = std::fs::metadata(path).map_err(|error| match error.kind() {
+    let bytes = read_input_file(path, MAX_FILE_BYTES).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => SceneError::Missing {
             kind,
             path: path.into(),
         },
-        _ => unreadable(error.to_string()),
+        _ => SceneError::Unreadable {
+            kind,
+            path: path.into(),
+            reason: error.to_string(),
+        },
     })?;
-    // A pipe may wait forever, a device may never end.
-    if found.is_dir() {
-        return Err(unreadable("it is a folder".into()));
-    }
-    if !found.is_file() {
-        return Err(unreadable("it is a pipe or a device, not a file".into()));
-    }
-    if found.len() > MAX_FILE_BYTES {
-        return Err(unreadable(format!(
-            "it has {} bytes, but may have at most {MAX_FILE_BYTES}",
-            found.len()
-        )));
-    }
-    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     if bytes.is_empty() {
         return Err(SceneError::Empty {
             source_name: path.display().to_string(),

@@ -10,6 +10,11 @@ fn data(name: &str) -> String {
     format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
+fn succeeds(arguments: &[&str]) {
+    let output = run(arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
 #[test]
 fn a_photograph_stands_where_it_is_put() {
     let page = data("page.png");
@@ -69,8 +74,7 @@ fn the_lens_goes_to_the_page() {
             "--out",
             &out,
         ];
-        let output = run(&[&fixed, extra].concat());
-        assert!(output.status.success(), "{}", text(&output.stderr));
+        succeeds(&[&fixed, extra].concat());
         let trace = fs::read_to_string(files.path("page/trace.csv")).expect("a trace");
         let row = trace.lines().nth(1).expect("a row").to_owned();
         let fields: Vec<f64> = row
@@ -97,7 +101,7 @@ fn an_eye_without_corners_looks_at_what_is_ahead_and_about() {
         .save(&wall)
         .expect("saved");
     let out = files.name("out");
-    let output = run(&[
+    succeeds(&[
         "render",
         "--scene",
         &wall,
@@ -116,7 +120,6 @@ fn an_eye_without_corners_looks_at_what_is_ahead_and_about() {
         "--out",
         &out,
     ]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
     let trace = fs::read_to_string(files.path("out/trace.csv")).expect("a trace");
     let mut places = std::collections::BTreeSet::new();
     for row in trace.lines().skip(1) {
@@ -155,8 +158,7 @@ fn depth_pictures_as_tools_write_them() {
             "--out",
             &out,
         ];
-        let output = run(&[&fixed, extra].concat());
-        assert!(output.status.success(), "{}", text(&output.stderr));
+        succeeds(&[&fixed, extra].concat());
         let report = fs::read_to_string(files.path("out/report.json")).expect("a report");
         let frame = image::open(files.path("out/frame_00000.png"))
             .expect("a frame")

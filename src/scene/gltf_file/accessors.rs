@@ -40,6 +40,12 @@ pub(super) fn read_indices(source: &Source, accessor: &Accessor) -> Result<Vec<u
     Ok(found.into_iter().map(|[index]| index).collect())
 }
 
+/// `count` pieces of `width` bytes from `offset` on.
+fn part(bytes: &[u8], offset: usize, count: usize, width: usize) -> Option<&[u8]> {
+    let end = offset.checked_add(count.checked_mul(width)?)?;
+    bytes.get(offset..end)
+}
+
 /// At most four bytes as a whole number.
 fn little_endian(bytes: &[u8]) -> u32 {
     bytes
@@ -95,13 +101,12 @@ fn elements<T: Copy + Default, const N: usize>(
             IndexType::U16 => 2,
             IndexType::U32 => 4,
         };
-        let cut = |bytes: &'_ [u8], offset: usize, width: usize| {
-            let length = sparse.count().checked_mul(width)?;
-            Some(bytes.get(offset..offset.checked_add(length)?)?.to_vec())
-        };
+        let count = sparse.count();
         let (at, new) = (sparse.indices(), sparse.values());
-        let places = cut(source.view(&at.view())?, at.offset(), width).ok_or_else(beyond)?;
-        let bytes = cut(source.view(&new.view())?, new.offset(), size).ok_or_else(beyond)?;
+        let places =
+            part(source.view(&at.view())?, at.offset(), count, width).ok_or_else(beyond)?;
+        let bytes =
+            part(source.view(&new.view())?, new.offset(), count, size).ok_or_else(beyond)?;
         for (place, bytes) in places.chunks_exact(width).zip(bytes.chunks_exact(size)) {
             let place = little_endian(place) as usize;
             *values

@@ -322,6 +322,21 @@ fn what_exporters_write_is_the_control() {
         );
         assert!(scene.remarks.is_empty(), "{name}");
     }
+    // Sparse data over zeros: the accessor has no data of its own.
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    let text = std::fs::read_to_string(folder.join("sparse_position.gltf")).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    json["accessors"][0]
+        .as_object_mut()
+        .unwrap()
+        .remove("bufferView");
+    let scene = load_gltf_bytes(json.to_string().as_bytes(), "sparse").unwrap();
+    let zeros = scene.meshes[0]
+        .positions
+        .iter()
+        .filter(|p| **p == [0.0; 3])
+        .count();
+    assert_eq!(zeros, 2, "two of four corners are replaced");
     // Sparse data that were not applied, or a unit that is not known, are another scene.
     let large = case("in_millimetres.gltf", None).unwrap();
     assert!(apart(&control, &large) > 100.0);

@@ -35,78 +35,40 @@ pub fn to_srgb(
     };
     let grey = !image.color().has_color();
     match source.color_space {
-        DataColorSpace::Rgb if !grey => convert(image, &source, remark),
-        DataColorSpace::Gray if grey => convert_grey(image, &source, remark),
         // A grey picture in a colour space: its greys are those of the three channels alike.
-        DataColorSpace::Rgb => convert(image, &source, remark),
+        DataColorSpace::Rgb => {}
+        DataColorSpace::Gray if grey => {}
         _ => {
-            remark("its colour profile is not one for red, green and blue and was ignored.");
-            image
+            remark(
+                "its colour profile is not one for its channels and was ignored; sRGB is assumed.",
+            );
+            return image;
         }
     }
+    converted(&image, &source).unwrap_or_else(|| {
+        remark("its colour profile cannot be used and was ignored; sRGB is assumed.");
+        image
+    })
 }
 
-const UNUSABLE: &str = "its colour profile cannot be used and was ignored; sRGB is assumed.";
-
-fn convert(
-    image: DynamicImage,
-    source: &ColorProfile,
-    remark: &mut dyn FnMut(&str),
-) -> DynamicImage {
+/// `None` where the profile lacks what a conversion needs.
+fn converted(image: &DynamicImage, source: &ColorProfile) -> Option<DynamicImage> {
+    let (layout, from) = match source.color_space {
+        DataColorSpace::Gray => (Layout::GrayAlpha, image.to_luma_alpha16().into_raw()),
+        _ => (Layout::Rgba, image.to_rgba16().into_raw()),
+    };
     let options = TransformOptions {
         prefer_fixed_point: false,
         ..TransformOptions::default()
     };
     let srgb = ColorProfile::new_srgb();
-    let Ok(transform) = source.create_transform_16bit(Layout::Rgba, &srgb, Layout::Rgba, options)
-    else {
-        remark(UNUSABLE);
-        return image;
-    };
-    let rgba = image.to_rgba16();
-    let (width, height) = rgba.dimensions();
-    let from = rgba.into_raw();
-    let mut to = vec![0u16; from.len()];
-    let buffer = match transform.transform(&from, &mut to) {
-        Ok(()) => ImageBuffer::<Rgba<u16>, _>::from_raw(width, height, to),
-        Err(_) => None,
-    };
-    buffer.map_or_else(
-        || {
-            remark(UNUSABLE);
-            image
-        },
-        DynamicImage::ImageRgba16,
-    )
-}
-
-fn convert_grey(
-    image: DynamicImage,
-    source: &ColorProfile,
-    remark: &mut dyn FnMut(&str),
-) -> DynamicImage {
-    let options = TransformOptions::default();
-    let srgb = ColorProfile::new_srgb();
-    let Ok(transform) = source.create_transform_16bit(Layout::Gray, &srgb, Layout::Rgb, options)
-    else {
-        remark(UNUSABLE);
-        return image;
-    };
-    let grey = image.to_luma_alpha16();
-    let (width, height) = grey.dimensions();
-    let from: Vec<u16> = grey.pixels().map(|pixel| pixel.0[0]).collect();
-    let mut to = vec![0u16; from.len() * 3];
-    if transform.transform(&from, &mut to).is_err() {
-        remark(UNUSABLE);
-        return image;
-    }
-    let pixels = grey
-        .pixels()
-        .zip(to.chunks_exact(3))
-        .flat_map(|(grey, rgb)| [rgb[0], rgb[1], rgb[2], grey.0[1]])
-        .collect();
-    ImageBuffer::<Rgba<u16>, _>::from_raw(width, height, pixels)
-        .map_or(image, DynamicImage::ImageRgba16)
+    let transform = source
+        .create_transform_16bit(layout, &srgb, Layout::Rgba, options)
+        .ok()?;
+    let mut to = vec![0u16; image.width() as usize * image.height() as usize * 4];
+    transform.transform(&from, &mut to).ok()?;
+    ImageBuffer::<Rgba<u16>, _>::from_raw(image.width(), image.height(), to)
+        .map(DynamicImage::ImageRgba16)
 }
 
 /// The colour space that a PNG's own chunks describe, if it is not sRGB (PNG, third edition, 4.3).

@@ -1,0 +1,61 @@
+//! Where the eye stands before a scene without a camera, and whether the scene's size is plausible.
+
+use super::super::model::{EyePlacement, SceneModel};
+use glam::Vec3;
+
+/// Nearest that the eye is put before a scene without a camera, m: beyond the view's near plane.
+const NEAREST_M: f32 = 0.03;
+
+/// An eye in front of the scene (at +z), at the height of its middle, so far away that the nearer
+/// side fills 70 % of the view.
+pub(super) fn frame(scene: &SceneModel) -> EyePlacement {
+    let eye = EyePlacement::default();
+    let Some((low, high)) = scene.bounds() else {
+        return eye;
+    };
+    let (low, high) = (Vec3::from(low), Vec3::from(high));
+    let half = (high - low) / 2.0;
+    let spread = half.x.max(half.y).max(0.1 * half.z).max(1e-3);
+    let distance = spread / (0.7 * (0.5 * eye.vertical_fov_deg.to_radians()).tan());
+    let distance = distance.max(NEAREST_M);
+    let centre = (low + high) / 2.0;
+    if half.y < 0.05 * half.x.max(half.z) {
+        // A floor, seen level, is a line: look down on it by 30°.
+        let forward = Vec3::new(0.0, -0.5, -0.75f32.sqrt());
+        let position = centre - forward * distance.max(half.x.max(half.z) * 2.0);
+        return EyePlacement {
+            position_m: position.into(),
+            forward: forward.into(),
+            up: Vec3::new(0.0, 0.75f32.sqrt(), -0.5).into(),
+            ..eye
+        };
+    }
+    let position = Vec3::new(centre.x, centre.y, high.z + distance);
+    EyePlacement {
+        position_m: position.into(),
+        ..eye
+    }
+}
+
+/// Asks whether the unit is right where a scene is larger than 200 m or smaller than 5 cm: distance is
+/// what matters here.
+pub(super) fn odd_size(scene: &SceneModel) -> Option<String> {
+    let (low, high) = scene.bounds()?;
+    let widest = (0..3).map(|k| high[k] - low[k]).fold(0.0f32, f32::max);
+    let size = if widest >= 1.0 {
+        format!("{widest:.0} m")
+    } else {
+        format!("{:.1} mm", widest * 1e3)
+    };
+    let guess = if widest > 200.0 {
+        "Is its unit the millimetre or the centimetre (--scene-unit mm, cm)?"
+    } else if widest < 0.05 {
+        "Is its unit another (--scene-unit cm, in)?"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "\"{}\" is {size} wide if its unit is the metre, as glTF says. {guess}",
+        scene.name
+    ))
+}
