@@ -112,7 +112,7 @@ fn channels_that_follow_one_another_are_no_stripes() {
 fn a_file_that_is_cut_off_is_shown_with_a_remark() {
     // Large and busy enough for the cut to fall into the picture, not into the headers before it.
     let busy = RgbImage::from_fn(256, 192, |x, y| {
-        Rgb([(x * 7 ^ y * 3) as u8, (x * y) as u8, (255 - x) as u8])
+        Rgb([((x * 7) ^ (y * 3)) as u8, (x * y) as u8, (255 - x) as u8])
     });
     let whole = encoded(&busy.into(), ImageFormat::Jpeg);
     assert!(decode(&whole).remarks.is_empty());
