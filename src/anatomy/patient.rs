@@ -410,11 +410,18 @@ impl PatientFile {
 
 /// Reads a patient from RON text; `file` names it in errors.
 pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError> {
+    let patient = parse_unchecked(text, file)?;
+    patient.check(file)?;
+    Ok(patient)
+}
+
+/// [`parse_patient`] without [`PatientFile::check`].
+pub(crate) fn parse_unchecked(text: &str, file: &str) -> Result<PatientFile, PatientError> {
     // Some editors begin a file with this mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let patient: PatientFile = options
+    options
         .from_str(text)
         .map_err(|error| PatientError::Syntax {
             file: file.into(),
@@ -427,9 +434,7 @@ pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError
             } else {
                 sentence(&error.code)
             },
-        })?;
-    patient.check(file)?;
-    Ok(patient)
+        })
 }
 
 /// What RON found, in a user's words.

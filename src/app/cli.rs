@@ -1,6 +1,7 @@
 //! The command line.
 
 mod placement;
+mod window;
 
 use super::Session;
 use crate::anatomy::{IrisColor, Laterality, PRESETS, PatientFile, load_patient};
@@ -15,7 +16,7 @@ use crate::scene::photo::read_named_file;
 use crate::scene::picture_file::{Meaning, decode_picture};
 use bevy::math::UVec2;
 use clap::builder::PossibleValue;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use placement::{SceneUnit, Span, parse_at, parse_length, parse_span, photo_options};
 use std::error::Error;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -35,6 +36,10 @@ struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     shown: Shown,
+    /// Opens the window with what a link shows: the page's whole address, or what stands after its #.
+    /// --patient, --scene and --seed given beside it win.
+    #[arg(long, value_name = "LINK")]
+    link: Option<String>,
 }
 
 /// What is shown.
@@ -241,14 +246,18 @@ fn parse_orbit(text: &str) -> Result<[f32; 2], String> {
 
 /// Runs the program and says how it ended: 0, 1 for what a user got wrong, 2 for the command line.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let cli = match Cli::from_arg_matches(&matches) {
+        Ok(cli) => cli,
+        Err(error) => error.exit(),
+    };
     if cli.command.is_some() {
         // Mesa's device-selection layer looks for a compositor and complains on stderr where there
         // is none; a command without a window has no use for it.
         // SAFETY: this is the program's only thread so far.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
-    match obey(cli) {
+    match obey(cli, &matches) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("ocularium: {error}");
@@ -257,12 +266,13 @@ pub fn run() -> ExitCode {
     }
 }
 
-fn obey(cli: Cli) -> Result<ExitCode, Box<dyn Error>> {
+fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
     match cli.command {
         None => {
-            let session = session(&cli.shown)?;
-            crate::lab::headless::require_device()?;
-            super::windowed::run(session)?;
+            return window::open(&cli.shown, cli.link.as_deref(), matches);
+        }
+        Some(_) if cli.link.is_some() => {
+            return Err("--link opens the window, and goes with no command".into());
         }
         Some(Command::Render(arguments)) => return render_command(&cli.shown, &arguments),
         Some(Command::Features(arguments)) => features(&arguments)?,

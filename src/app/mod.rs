@@ -5,7 +5,13 @@
 //! Move → Perceive → Show ([`EyeSystems`]).
 
 pub mod clock;
+#[cfg(feature = "app")]
+pub mod host;
+#[cfg(feature = "app")]
+pub mod link;
+pub mod own_files;
 pub mod panels;
+pub mod picture;
 pub mod session;
 
 #[cfg(all(feature = "app", not(target_arch = "wasm32")))]

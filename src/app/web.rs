@@ -1,78 +1,27 @@
 //! The app in a browser: what the page's link asks for, and what the page is told.
 
-use super::{Session, SimulationClock, windowed};
-use crate::anatomy::{PRESETS, load_patient, preset};
+use super::link::LinkState;
+use super::{Session, SimulationClock, host, windowed};
+use crate::appearance::EyeOrbit;
 use crate::motion::Motion;
-use crate::scene::catalog::{BuiltIn, LoadedScene};
-use crate::ui::UiState;
+use crate::ui::{UiState, session_of};
 use bevy::prelude::*;
 use wasm_bindgen::JsValue;
 
-/// Runs the app; the link's fragment may name `patient`, `scene` and `seed`, as in
-/// `#patient=glaucoma-moderate&scene=room&seed=7`.
+/// Runs the app with what the page's link says ([`LinkState`]).
 pub fn run() {
     console_error_panic_hook::set_once();
-    let fragment = web_sys::window()
-        .and_then(|window| window.location().hash().ok())
-        .unwrap_or_default();
-    match session(&fragment) {
-        Ok((session, message)) => {
-            let mut app = windowed::windowed_app(session);
-            app.world_mut().resource_mut::<UiState>().message = message;
+    let (start, refused) = LinkState::parse(&host::fragment());
+    match session_of(&start) {
+        Ok(session) => {
+            let mut app = windowed::windowed_app(session, start);
+            app.world_mut().resource_mut::<UiState>().message =
+                (!refused.is_empty()).then(|| refused.join(" "));
             app.add_systems(Last, tell_page);
             app.run();
         }
         Err(message) => tell("oculariumError", &JsValue::from_str(&message)),
     }
-}
-
-/// The session of a link, and what the user should know about what it asked for in vain.
-fn session(fragment: &str) -> Result<(Session, Option<String>), String> {
-    let value = |name: &str| {
-        fragment
-            .trim_start_matches('#')
-            .split('&')
-            .filter_map(|pair| pair.split_once('='))
-            .find(|(key, _)| *key == name)
-            .map(|(_, value)| value.to_owned())
-    };
-    let mut refused = Vec::new();
-    let wanted = value("patient").unwrap_or_else(|| "healthy-brown".into());
-    let name = preset(&wanted).map_or_else(
-        || {
-            let known: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
-            refused.push(format!(
-                "The link names no known patient ({wanted:?}); there are {}.",
-                known.join(", ")
-            ));
-            "healthy-brown"
-        },
-        |preset| preset.name,
-    );
-    let patient = load_patient(name).map_err(|error| error.to_string())?;
-    let wanted = value("scene").unwrap_or_else(|| BuiltIn::Room.name().into());
-    let known = BuiltIn::ALL
-        .into_iter()
-        .find(|scene| scene.name() == wanted);
-    let scene = known.unwrap_or_else(|| {
-        let known: Vec<_> = BuiltIn::ALL.iter().map(|scene| scene.name()).collect();
-        refused.push(format!(
-            "The link names no known scene ({wanted:?}); there are {}.",
-            known.join(", ")
-        ));
-        BuiltIn::Room
-    });
-    let model = scene.build().map_err(|error| error.to_string())?;
-    let seed = value("seed").map_or(1, |seed| {
-        seed.parse().unwrap_or_else(|_| {
-            refused.push(format!(
-                "The link's seed {seed:?} is not a whole number from 0."
-            ));
-            1
-        })
-    });
-    let session = Session::new(patient, LoadedScene::Model(Box::new(model)), seed);
-    Ok((session, (!refused.is_empty()).then(|| refused.join(" "))))
 }
 
 fn tell(name: &str, value: &JsValue) {
@@ -85,6 +34,8 @@ fn tell(name: &str, value: &JsValue) {
 /// Four times a second the page learns where things are and how they move.
 fn tell_page(
     clock: Res<SimulationClock>,
+    session: Res<Session>,
+    orbit: Res<EyeOrbit>,
     motion: Option<Res<Motion>>,
     ui: Res<UiState>,
     readiness: Res<crate::readiness::Readiness>,
@@ -110,6 +61,14 @@ fn tell_page(
             serde_json::json!([r.min.x, r.min.y, r.width(), r.height()])
         })
     };
+    let places: serde_json::Map<_, _> = ui
+        .places
+        .iter()
+        .map(|(name, r)| {
+            let place = serde_json::json!([r.min.x, r.min.y, r.width(), r.height()]);
+            ((*name).to_owned(), place)
+        })
+        .collect();
     let state = &motion.state;
     let message = serde_json::json!({
         "time_s": clock.time_s,
@@ -120,6 +79,15 @@ fn tell_page(
         "accommodation_d": state.accommodation_d,
         "lid_aperture": state.lid_aperture,
         "fixations": state.fixation_index,
+        "patient": session.patient.name,
+        "sphere_d": session.patient.sphere_d,
+        "scene": session.scene.name(),
+        "seed": session.seed.to_string(),
+        "speed": clock.speed,
+        "orbit": [orbit.azimuth_deg, orbit.elevation_deg, orbit.distance_mm],
+        "message": ui.message,
+        "notice": ui.notice.as_ref().map(|(sentence, _)| sentence),
+        "places": places,
         "panels": { "eye": rectangle(0), "view": rectangle(1) },
     });
     tell("oculariumState", &JsValue::from_str(&message.to_string()));
@@ -135,4 +103,9 @@ fn tell_page(
             let _ = root.set_attribute("data-ready", "true");
         }
     }
+}
+
+/// Tells the page what stops the app.
+pub(super) fn fail(sentence: &str) {
+    tell("oculariumError", &JsValue::from_str(sentence));
 }

@@ -1,10 +1,14 @@
 //! The app in a window, or in a browser's canvas.
 
+mod lost;
+
+use super::link::LinkState;
 use super::{FramePlugin, Session, add_ocularium};
-use crate::ui::UiPlugin;
+use crate::ui::{StartState, UiPlugin};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
+use bevy::render::error_handler::RenderErrorHandler;
 use bevy_egui::{EguiGlobalSettings, EguiPlugin, PrimaryEguiContext};
 
 /// The window could not be opened.
@@ -15,13 +19,24 @@ pub enum WindowError {
         "there is no display to open a window on; `ocularium render --out DIR` works without one"
     )]
     NoDisplay,
+    /// The graphics device went away.
+    #[error("the graphics device was lost ({reason})")]
+    DeviceLost {
+        /// What the system said.
+        reason: String,
+        /// What was shown, as a link says it.
+        link: Option<String>,
+    },
+    /// Drawing failed.
+    #[error("drawing failed: {0}")]
+    Drawing(String),
     /// The window ended with an error.
     #[error("the window closed with an error")]
     Failed,
 }
 
-/// The app with its window, not yet running.
-pub fn windowed_app(session: Session) -> App {
+/// The app with its window, not yet running; `start` says what the session does not hold.
+pub fn windowed_app(session: Session, start: LinkState) -> App {
     let mut app = App::new();
     app.add_plugins(
         DefaultPlugins
@@ -38,7 +53,8 @@ pub fn windowed_app(session: Session) -> App {
                 ..default()
             })
             .set(LogPlugin {
-                filter: "error,ocularium=info,bevy_winit=error".into(),
+                // A file dialog that cannot be opened is told in the window.
+                filter: "error,ocularium=info,bevy_winit=error,rfd=off".into(),
                 ..default()
             })
             .set(RenderPlugin {
@@ -61,6 +77,8 @@ pub fn windowed_app(session: Session) -> App {
     #[cfg(target_arch = "wasm32")]
     app.insert_resource(bevy::light::DirectionalLightShadowMap { size: 1024 });
     app.insert_resource(ClearColor(Color::linear_rgb(0.003, 0.003, 0.0035)))
+        .insert_resource(StartState(start))
+        .insert_resource(RenderErrorHandler(lost::on_render_error))
         .add_plugins(UiPlugin)
         .add_systems(Startup, |mut commands: Commands| {
             commands.spawn((
@@ -73,14 +91,17 @@ pub fn windowed_app(session: Session) -> App {
 }
 
 /// Opens the window and runs until it is closed.
-pub fn run(session: Session) -> Result<(), WindowError> {
-    #[cfg(all(unix, not(target_os = "macos"), not(target_arch = "wasm32")))]
+#[cfg(not(target_arch = "wasm32"))]
+pub fn run(session: Session, start: LinkState) -> Result<(), WindowError> {
+    #[cfg(all(unix, not(target_os = "macos")))]
     if !has_display() {
         return Err(WindowError::NoDisplay);
     }
-    match windowed_app(session).run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(_) => Err(WindowError::Failed),
+    let exit = windowed_app(session, start).run();
+    match (lost::take(), exit) {
+        (Some(error), _) => Err(error),
+        (None, AppExit::Success) => Ok(()),
+        (None, AppExit::Error(_)) => Err(WindowError::Failed),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The app without a window: the same plugins, a clock that is set, panels that are read back.
 
+use crate::app::picture::from_padded_rows;
 use crate::app::{
     Drive, FramePlugin, Panels, Session, SessionCommand, SimulationClock, add_ocularium,
     device_settings,
@@ -247,13 +248,7 @@ impl Headless {
             .map_err(|error| HeadlessError::ReadBack(error.to_string()))?
             .map_err(|error| HeadlessError::ReadBack(error.to_string()))?;
         let mapped = buffer.slice(..).get_mapped_range();
-        let pixels: Vec<u8> = mapped
-            .chunks_exact(padded)
-            .flat_map(|line| &line[..row])
-            .copied()
-            .collect();
-        drop(mapped);
-        RgbaImage::from_raw(size.width, size.height, pixels)
+        from_padded_rows(size.width, size.height, padded, &mapped)
             .ok_or_else(|| HeadlessError::ReadBack("its size is not that of the panel".into()))
     }
 }

@@ -3,12 +3,14 @@
 use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError, Which};
 use crate::app::Session;
+pub use crate::app::picture::encode_png;
+use crate::app::picture::side_by_side;
 use crate::appearance::EyeOrbit;
 use crate::ledger::Work;
 use crate::motion::trace::{TraceRow, write_trace};
 use crate::percept::ViewOptions;
 use bevy::math::UVec2;
-use image::{ExtendedColorType, ImageEncoder, RgbaImage, codecs::png::PngEncoder, imageops};
+use image::RgbaImage;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -130,25 +132,9 @@ pub fn picture(headless: &Headless, request: &RenderRequest) -> Result<RgbaImage
         PanelChoice::View => headless.panel(Which::View),
         PanelChoice::Both => {
             let (eye, view) = (headless.panel(Which::Eye)?, headless.panel(Which::View)?);
-            let mut both = RgbaImage::new(request.size.x, request.size.y);
-            imageops::replace(&mut both, &eye, 0, 0);
-            imageops::replace(&mut both, &view, i64::from(eye.width()), 0);
-            Ok(both)
+            Ok(side_by_side(&eye, &view))
         }
     }
-}
-
-/// PNG bytes of an opaque picture.
-pub fn encode_png(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> {
-    let rgb = image::DynamicImage::ImageRgba8(picture.clone()).to_rgb8();
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes).write_image(
-        &rgb,
-        rgb.width(),
-        rgb.height(),
-        ExtendedColorType::Rgb8,
-    )?;
-    Ok(bytes)
 }
 
 /// Renders; `stop` ends it after the frame in work, keeping what is done.

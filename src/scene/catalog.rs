@@ -31,6 +31,14 @@ impl BuiltIn {
         }
     }
 
+    /// The title under which it stands in lists.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Room => "Reading room",
+            Self::Chart => "Eye chart",
+        }
+    }
+
     /// One line that says what is to be seen.
     pub fn description(self) -> &'static str {
         match self {
@@ -46,6 +54,35 @@ impl BuiltIn {
         match self {
             Self::Room => room::room(),
             Self::Chart => room::chart(),
+        }
+    }
+}
+
+/// What a file holds, as its first bytes say, so that a wrong extension does no harm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A glTF model.
+    Model,
+    /// A picture, whether or not its format is read.
+    Picture,
+}
+
+impl FileKind {
+    /// Judges a file by its bytes and, where they say nothing, by its name's extension.
+    pub fn of(name: &str, bytes: &[u8]) -> Option<Self> {
+        let extension = Path::new(name)
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_lowercase());
+        let extension = extension.as_deref().unwrap_or("");
+        if bytes.starts_with(b"glTF") || matches!(extension, "gltf" | "glb") {
+            Some(Self::Model)
+        } else if image::guess_format(bytes).is_ok()
+            || foreign_format(bytes).is_some()
+            || matches!(extension, "png" | "jpg" | "jpeg")
+        {
+            Some(Self::Picture)
+        } else {
+            None
         }
     }
 }
@@ -125,24 +162,20 @@ impl SceneSource {
             });
         }
         let bytes = read_file(path)?;
-        let is_model = bytes.starts_with(b"glTF") || matches!(extension.as_str(), "gltf" | "glb");
-        let is_image = image::guess_format(&bytes).is_ok()
-            || foreign_format(&bytes).is_some()
-            || matches!(extension.as_str(), "png" | "jpg" | "jpeg");
-        if is_model {
-            refuse_depth("a glTF file")?;
-            Ok(Self::Model(path.into()))
-        } else if is_image {
-            Ok(Self::Photo {
+        match FileKind::of(name_or_path, &bytes) {
+            Some(FileKind::Model) => {
+                refuse_depth("a glTF file")?;
+                Ok(Self::Model(path.into()))
+            }
+            Some(FileKind::Picture) => Ok(Self::Photo {
                 path: path.into(),
                 depth: depth.map(Into::into),
-            })
-        } else {
-            Err(SceneError::Malformed {
+            }),
+            None => Err(SceneError::Malformed {
                 source_name: name_or_path.into(),
                 kind: "scene",
                 reason: format!("it is neither glTF (.gltf, .glb) nor a {READABLE}"),
-            })
+            }),
         }
     }
 

@@ -20,14 +20,17 @@ use std::f32::consts::PI;
 use std::path::Path;
 
 mod accessors;
+mod beside;
 mod framing;
 mod pose;
 mod refusals;
 mod surfaces;
 
+pub use beside::Beside;
+use beside::read_buffers;
 use framing::{frame, odd_size};
 use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
-use refusals::{check_buffer_files, check_extensions};
+use refusals::check_extensions;
 
 /// Largest number of triangles that is accepted.
 pub const MAX_TRIANGLES: usize = 20_000_000;
@@ -44,25 +47,35 @@ pub fn load_gltf(path: &Path, unit_m: Option<f32>) -> Result<SceneModel, SceneEr
     load(
         &bytes,
         &path.display().to_string(),
-        Some(path.parent().unwrap_or(Path::new("."))),
+        Beside::Folder(path.parent().unwrap_or(Path::new("."))),
         unit_m,
     )
 }
 
-/// Loads a self-contained file from memory, as in the browser.
+/// Loads a self-contained file from memory.
 pub fn load_gltf_bytes(bytes: &[u8], source_name: &str) -> Result<SceneModel, SceneError> {
+    load_gltf_among(bytes, source_name, Beside::Files(&[]), None)
+}
+
+/// Loads a file from memory, and what it names from `beside`; `unit_m` as for [`load_gltf`].
+pub fn load_gltf_among(
+    bytes: &[u8],
+    source_name: &str,
+    beside: Beside,
+    unit_m: Option<f32>,
+) -> Result<SceneModel, SceneError> {
     if bytes.is_empty() {
         return Err(SceneError::Empty {
             source_name: source_name.into(),
         });
     }
-    load(bytes, source_name, None, None)
+    load(bytes, source_name, beside, unit_m)
 }
 
 /// What the parts of the loader share.
 struct Source<'a> {
     name: &'a str,
-    base: Option<&'a Path>,
+    beside: Beside<'a>,
     buffers: Vec<buffer::Data>,
     /// Accessors without data, whose elements are zeros.
     blank: HashSet<usize>,
@@ -111,7 +124,7 @@ fn malformed(name: &str, reason: impl Into<String>) -> SceneError {
 fn load(
     bytes: &[u8],
     name: &str,
-    base: Option<&Path>,
+    beside: Beside,
     unit_m: Option<f32>,
 ) -> Result<SceneModel, SceneError> {
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)
@@ -154,14 +167,12 @@ fn load(
             }
         }
     }
-    check_buffer_files(&json, name, base)?;
     let document =
         gltf::Document::from_json(json).map_err(|error| malformed(name, one_clause(&error)))?;
-    let buffers = gltf::import_buffers(&document, base, blob)
-        .map_err(|error| malformed(name, one_clause(&error)))?;
+    let buffers = read_buffers(&document, blob, name, beside)?;
     let source = Source {
         name,
-        base,
+        beside,
         buffers,
         blank,
         quantised,

@@ -1,101 +1,41 @@
-//! The side panel.
+//! The controls.
 
-use super::{Controlled, GazeMode, UiState};
-use crate::anatomy::{PRESETS, load_patient};
+mod chosen;
+
+use super::pictures::bars;
+use super::state::{Controlled, GazeMode, UiState};
+use super::{OwnScene, Request, Saved};
 use crate::app::SessionCommand;
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
-use crate::motion::engine::GazeCommand;
-use crate::scene::catalog::{BuiltIn, LoadedScene};
 use bevy_egui::egui::{self, Ui};
-use std::sync::Arc;
 
 /// Draws every control.
-pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
+pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: &mut OwnScene) {
     ui.add_space(4.0);
-    ui.heading("Ocularium");
-    if let Some(message) = state.message.clone() {
-        ui.colored_label(ui.visuals().error_fg_color, message);
-        if ui.small_button("dismiss").clicked() {
-            state.message = None;
-        }
-    }
-    patient(ui, state, controlled);
-    scene(ui, state, controlled);
+    ui.horizontal(|ui| {
+        ui.heading("Ocularium");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let side = if state.touch { 40.0 } else { 24.0 };
+            if bars(ui, side, "Put the controls away (H)", state) {
+                state.toggle_controls = true;
+            }
+        });
+    });
+    chosen::patient(ui, state, controlled);
+    chosen::scene(ui, state, controlled);
+    chosen::placement(ui, controlled, own);
+    chosen::files(ui, state, controlled);
     time(ui, state, controlled);
     gaze(ui, state, controlled);
     pupil(ui, state, controlled);
-    panels(ui, controlled);
+    panels(ui, state, controlled);
     numbers(ui, controlled);
     ledger(ui, state);
     ui.add_space(6.0);
-    ui.weak("Space pause · . step · R restart · 1 2 B panels · M marker · H hide this. Drag the eye to walk around it, scroll to come nearer, double-click for the front. Click in the view to look there.");
-}
-
-fn patient(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
-    let shown = controlled.session.patient.name.clone();
-    let mut chosen = None;
-    ui.horizontal(|ui| {
-        ui.label("Patient");
-        egui::ComboBox::from_id_salt("patient")
-            .selected_text(shown)
-            .width(150.0)
-            .show_ui(ui, |ui| {
-                for (index, preset) in PRESETS.iter().enumerate() {
-                    if ui
-                        .selectable_label(state.preset == Some(index), preset.name)
-                        .clicked()
-                    {
-                        chosen = Some(index);
-                    }
-                }
-            });
-    });
-    if !controlled.session.patient.description.is_empty() {
-        ui.weak(controlled.session.patient.description.as_str());
-    }
-    if let Some(index) = chosen {
-        match load_patient(PRESETS[index].name) {
-            Ok(patient) => {
-                state.preset = Some(index);
-                state.held_pupil_mm = None;
-                controlled.motion_commands.write(MotionCommand::Pupil(None));
-                controlled
-                    .session_commands
-                    .write(SessionCommand::Patient(Box::new(patient)));
-            }
-            Err(error) => state.message = Some(error.to_string()),
-        }
-    }
-}
-
-fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
-    let mut chosen = None;
-    ui.horizontal(|ui| {
-        ui.label("Scene");
-        egui::ComboBox::from_id_salt("scene")
-            .selected_text(controlled.session.scene.name())
-            .width(150.0)
-            .show_ui(ui, |ui| {
-                for scene in BuiltIn::ALL {
-                    let current = controlled.session.scene.name() == scene.name();
-                    if ui.selectable_label(current, scene.name()).clicked() {
-                        chosen = Some(scene);
-                    }
-                }
-            });
-    });
-    if let Some(scene) = chosen {
-        match scene.build() {
-            Ok(model) => {
-                controlled
-                    .session_commands
-                    .write(SessionCommand::Scene(Arc::new(LoadedScene::Model(
-                        Box::new(model),
-                    ))));
-            }
-            Err(error) => state.message = Some(error.to_string()),
-        }
+    ui.weak("Drag the eye to walk around it, scroll or pinch to come nearer, double-click for the front. Click in the view to look there.");
+    if !state.touch {
+        ui.weak("Space pause · . step · R restart · 1 2 B panels · M marker · H controls.");
     }
 }
 
@@ -125,6 +65,7 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.horizontal(|ui| {
         ui.label("Seed");
         let field = ui.add(egui::TextEdit::singleline(&mut state.seed).desired_width(90.0));
+        state.places.insert("seed", field.rect);
         let valid = state.seed.trim().parse::<u64>();
         if valid.is_err() {
             ui.colored_label(ui.visuals().error_fg_color, "a whole number from 0");
@@ -138,12 +79,13 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
                 .write(SessionCommand::Restart(seed));
         }
     });
-    ui.add(
+    let slider = ui.add(
         egui::Slider::new(&mut clock.speed, 0.05..=4.0)
             .logarithmic(true)
             .suffix("×")
             .text("speed"),
     );
+    state.places.insert("speed", slider.rect);
 }
 
 fn gaze(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
@@ -155,20 +97,17 @@ fn gaze(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         ui.selectable_value(&mut state.gaze, GazeMode::Follow, "follow pointer");
         ui.selectable_value(&mut state.gaze, GazeMode::Fixed, "fixed");
     });
-    if state.gaze != before
-        && let Some(motion) = &controlled.motion
-    {
-        let command = match state.gaze {
-            GazeMode::Auto => GazeCommand::Auto,
-            GazeMode::Follow | GazeMode::Fixed => GazeCommand::Fixed {
-                azimuth_rad: motion.state.fixation_azimuth_rad,
-                elevation_rad: motion.state.fixation_elevation_rad,
-                distance_m: motion.state.fixation_distance_m,
-            },
-        };
-        controlled
-            .motion_commands
-            .write(MotionCommand::Gaze(command));
+    if state.gaze != before {
+        if let Some(motion) = &controlled.motion {
+            let now = &motion.state;
+            state.fixed_at = (
+                now.fixation_azimuth_rad,
+                now.fixation_elevation_rad,
+                now.fixation_distance_m,
+            );
+        }
+        let command = MotionCommand::Gaze(state.gaze_command());
+        controlled.motion_commands.write(command);
     }
     ui.horizontal(|ui| {
         if ui.button("Blink").clicked() {
@@ -202,12 +141,37 @@ fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     }
 }
 
-fn panels(ui: &mut Ui, controlled: &mut Controlled) {
+fn panels(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.separator();
     ui.horizontal(|ui| {
         ui.label("Show");
         ui.checkbox(&mut controlled.panels.eye.visible, "the eye");
         ui.checkbox(&mut controlled.panels.view.visible, "its view");
+    });
+    ui.horizontal(|ui| {
+        ui.label("Save PNG");
+        let shown = [
+            controlled.panels.eye.visible,
+            controlled.panels.view.visible,
+        ];
+        for (name, saved, can) in [
+            ("eye", Saved::Eye, shown[0]),
+            ("view", Saved::View, shown[1]),
+            ("both", Saved::Both, shown == [true; 2]),
+        ] {
+            let button = ui.add_enabled(can, egui::Button::new(name));
+            state.places.insert(
+                match saved {
+                    Saved::Eye => "save eye",
+                    Saved::View => "save view",
+                    Saved::Both => "save both",
+                },
+                button.rect,
+            );
+            if button.clicked() {
+                controlled.requests.write(Request::Save(saved));
+            }
+        }
     });
     ui.horizontal(|ui| {
         ui.label("Eye from");

@@ -1,93 +1,49 @@
 //! The window's controls: plain functions of (&mut Ui, &mut state), drawn with egui.
 //!
-//! Enters: the state of session, clock and motion. Leaves: commands to them;
-//! nothing is changed behind their backs.
+//! Enters: the state of session, clock and motion; a user's own files; a link. Leaves: commands to
+//! them; nothing is changed behind their backs.
 
+mod arrangement;
 mod controls;
+mod link;
+mod own;
 mod pictures;
+mod power;
+mod save;
+mod state;
 mod strip;
 
+#[cfg(not(target_arch = "wasm32"))]
+pub use link::link_of;
+pub use link::{StartState, session_of};
+pub use own::OwnScene;
+pub use save::Saved;
+use state::Shown;
+pub use state::{Controlled, GazeMode, UiState};
+
 use crate::anatomy::PRESETS;
-use crate::app::{Panels, Session, SessionCommand, SimulationClock};
-use crate::appearance::EyeOrbit;
-use crate::ledger::{Work, WorkLedger};
-use crate::motion::{Motion, MotionCommand};
-use crate::percept::{Percept, ViewOptions};
-use crate::readiness::Readiness;
-use bevy::ecs::system::SystemParam;
+use crate::app::host::{self, Clipboard};
+use crate::app::own_files::Placement;
+use crate::app::{EyeSystems, Panels, Session, SessionCommand};
+use arrangement::{ControlsPlace, arrange, has_room};
+use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
-use bevy::winit::{UpdateMode, WinitSettings};
+#[cfg(target_arch = "wasm32")]
+use bevy::time::common_conditions::on_real_timer;
 use bevy_egui::egui::{self, LayerId, UiBuilder};
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, EguiTextureHandle, EguiUserTextures};
-use std::time::Duration;
 
-/// Who directs gaze.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum GazeMode {
-    /// The eye looks about by itself.
-    #[default]
-    Auto,
-    /// It follows the pointer over the view.
-    Follow,
-    /// It stays where it was last sent.
-    Fixed,
-}
-
-/// What the controls remember.
-#[derive(Resource)]
-pub struct UiState {
-    /// Is the side panel open?
-    pub controls_open: bool,
-    /// Who directs gaze.
-    pub gaze: GazeMode,
-    /// Pupil held by hand, mm.
-    pub held_pupil_mm: Option<f64>,
-    /// The seed as typed.
-    pub seed: String,
-    /// Index of the built-in patient that is shown, if it is one.
-    pub preset: Option<usize>,
-    /// What went wrong last, for the user.
-    pub message: Option<String>,
-    /// Rectangles of eye and view in points, where they are shown.
-    pub rectangles: [Option<egui::Rect>; 2],
-    last_work: Work,
-    work: Work,
-    work_clock_s: f64,
-    frame_ms: f64,
-}
-
-impl Default for UiState {
-    fn default() -> Self {
-        Self {
-            controls_open: true,
-            gaze: GazeMode::Auto,
-            held_pupil_mm: None,
-            seed: "1".into(),
-            preset: None,
-            message: None,
-            rectangles: [None; 2],
-            last_work: Work::default(),
-            work: Work::default(),
-            work_clock_s: 0.0,
-            frame_ms: 0.0,
-        }
-    }
-}
-
-/// Everything that the controls read and command.
-#[derive(SystemParam)]
-pub struct Controlled<'w> {
-    session: Res<'w, Session>,
-    clock: ResMut<'w, SimulationClock>,
-    panels: ResMut<'w, Panels>,
-    images: ResMut<'w, Assets<Image>>,
-    orbit: ResMut<'w, EyeOrbit>,
-    options: ResMut<'w, ViewOptions>,
-    motion: Option<Res<'w, Motion>>,
-    percept: Res<'w, Percept>,
-    ledger: Res<'w, WorkLedger>,
-    session_commands: MessageWriter<'w, SessionCommand>,
-    motion_commands: MessageWriter<'w, MotionCommand>,
+/// What the controls ask of the machine.
+#[derive(Message, Clone, Copy, Debug, PartialEq)]
+pub enum Request {
+    /// Let the user choose files.
+    ChooseFiles,
+    /// Copy the link of what is shown.
+    CopyLink,
+    /// Save what is seen.
+    Save(Saved),
+    /// Read the user's model again, one unit of it being so many metres; `None`: as glTF says.
+    ModelUnit(Option<f32>),
 }
 
 /// The window's controls.
@@ -96,28 +52,100 @@ pub struct UiPlugin;
 impl Plugin for UiPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<UiState>()
-            .add_systems(Startup, register_pictures)
+            .init_resource::<StartState>()
+            .init_resource::<OwnScene>()
+            .init_resource::<link::StandStill>()
+            .init_resource::<save::Saving>()
+            .init_non_send::<Clipboard>()
+            .add_message::<Request>()
+            .add_systems(Startup, (register_pictures, link::start))
             .add_systems(
                 Update,
-                (keyboard, save_power, choose_quality).before(crate::app::EyeSystems::Sense),
+                (
+                    keyboard,
+                    own::receive,
+                    power::save_power,
+                    power::choose_quality,
+                )
+                    .before(EyeSystems::Sense),
+            )
+            .add_systems(
+                Update,
+                state::describe_patient
+                    .run_if(resource_changed::<Session>)
+                    .after(EyeSystems::Sense),
+            )
+            .add_systems(
+                Update,
+                (obey_requests, save::finish, link::keep_promises)
+                    .chain()
+                    .after(EyeSystems::Sense)
+                    .before(EyeSystems::Decide),
             )
             .add_systems(EguiPrimaryContextPass, draw);
+        #[cfg(not(target_arch = "wasm32"))]
+        app.add_systems(Update, own::drop_files.before(own::receive));
+        #[cfg(target_arch = "wasm32")]
+        app.init_resource::<link::Written>().add_systems(
+            Update,
+            (link::read_page, link::write_page)
+                .chain()
+                // Browsers bear with two changes a second.
+                .run_if(on_real_timer(std::time::Duration::from_millis(500)))
+                .after(EyeSystems::Show),
+        );
     }
 }
 
-fn register_pictures(
-    panels: Res<Panels>,
-    session: Res<Session>,
-    mut state: ResMut<UiState>,
-    mut textures: ResMut<EguiUserTextures>,
-) {
+fn register_pictures(panels: Res<Panels>, mut textures: ResMut<EguiUserTextures>) {
     for panel in [&panels.eye, &panels.view] {
         textures.add_image(EguiTextureHandle::Strong(panel.image.clone()));
     }
-    state.seed = session.seed.to_string();
-    state.preset = PRESETS.iter().position(|preset| {
+}
+
+/// Which built-in patient is shown, if it is one.
+fn preset_shown(session: &Session) -> Option<usize> {
+    PRESETS.iter().position(|preset| {
         crate::anatomy::load_patient(preset.name).is_ok_and(|patient| patient == session.patient)
-    });
+    })
+}
+
+#[expect(
+    clippy::too_many_arguments,
+    reason = "one argument a thing that is asked for"
+)]
+fn obey_requests(
+    mut requests: MessageReader<Request>,
+    mut saving: ResMut<save::Saving>,
+    mut own: ResMut<OwnScene>,
+    mut state: ResMut<UiState>,
+    mut clipboard: NonSendMut<Clipboard>,
+    app: Shown,
+    mut commands: Commands,
+    _main_thread: NonSendMarker,
+) {
+    for request in requests.read() {
+        match *request {
+            Request::ChooseFiles => host::choose_files(),
+            Request::Save(saved) => saving.begin(saved, &app.panels, &mut commands),
+            Request::ModelUnit(unit_m) => {
+                if let Some(files) = own.model.clone() {
+                    let placement = Placement {
+                        unit_m,
+                        ..Placement::default()
+                    };
+                    own.read(files, placement);
+                }
+            }
+            Request::CopyLink => {
+                let text = copied_link(&state, &app);
+                match host::copy_text(&mut clipboard, &text) {
+                    Ok(()) => state.tell(copied_notice(&app)),
+                    Err(sentence) => state.message = Some(sentence),
+                }
+            }
+        }
+    }
 }
 
 /// Space: pause. R: restart. H: hide the controls. 1, 2, B: eye, view, both. Period: one step. M: marker.
@@ -149,7 +177,7 @@ fn keyboard(
             .write(SessionCommand::Restart(seed));
     }
     if keys.just_pressed(KeyCode::KeyH) {
-        state.controls_open = !state.controls_open;
+        state.toggle_controls = true;
     }
     if keys.just_pressed(KeyCode::KeyM) {
         controlled.options.marker = !controlled.options.marker;
@@ -168,75 +196,25 @@ fn keyboard(
     }
 }
 
-/// Four samples a pixel where the machine draws them quickly, one where it does not.
-fn choose_quality(
-    time: Res<Time<Real>>,
-    clock: Res<SimulationClock>,
-    adapter: Option<Res<bevy::render::renderer::RenderAdapterInfo>>,
-    mut quality: ResMut<crate::appearance::EyeQuality>,
-    mut options: ResMut<ViewOptions>,
-    mut fast_frames: Local<u32>,
-    mut decided: Local<bool>,
-) {
-    use bevy::prelude::Msaa;
-    if *decided {
-        return;
-    }
-    // A browser does not say what draws, so it starts plain and earns its samples.
-    let hardware = adapter.is_some_and(|adapter| {
-        matches!(
-            adapter.device_type,
-            wgpu_types::DeviceType::DiscreteGpu | wgpu_types::DeviceType::IntegratedGpu
-        )
-    });
-    if hardware {
-        *decided = true;
-        return;
-    }
-    quality.set_if_neq(crate::appearance::EyeQuality { msaa: Msaa::Off });
-    if options.supersampling != 1 {
-        options.supersampling = 1;
-    }
-    if clock.ready && !clock.paused {
-        *fast_frames = if time.delta_secs() < 0.024 {
-            *fast_frames + 1
-        } else {
-            0
-        };
-        if *fast_frames > 90 {
-            *decided = true;
-            quality.msaa = Msaa::Sample4;
-            options.supersampling = ViewOptions::default().supersampling;
-        }
-    }
+/// The text that a link button copies: the page's address, or a command line that shows the same.
+fn copied_link(state: &UiState, app: &Shown) -> String {
+    let fragment = link::current(state, app).to_fragment();
+    #[cfg(target_arch = "wasm32")]
+    return host::address(&fragment);
+    #[cfg(not(target_arch = "wasm32"))]
+    format!("ocularium --link '{fragment}'")
 }
 
-/// While nothing moves, the window waits for input instead of drawing.
-fn save_power(
-    clock: Res<SimulationClock>,
-    panels: Res<Panels>,
-    percept: Res<Percept>,
-    readiness: Res<Readiness>,
-    winit: Option<ResMut<WinitSettings>>,
-    mut calm_frames: Local<u32>,
-) {
-    let Some(mut winit) = winit else { return };
-    // A panel that was resized or shown a moment ago still has to be captured and drawn.
-    let busy = !clock.ready
-        || !clock.paused
-        || clock.steps > 0
-        || readiness.quiet_frames() < 5
-        || (panels.view.visible
-            && (!percept.is_captured() || percept.captured().size != panels.view.size));
-    *calm_frames = if busy { 0 } else { *calm_frames + 1 };
-    let mode = if *calm_frames > 10 {
-        UpdateMode::reactive_low_power(Duration::from_secs(5))
+fn copied_notice(app: &Shown) -> String {
+    let what = if cfg!(target_arch = "wasm32") {
+        "The link is copied"
     } else {
-        UpdateMode::Continuous
+        "A command line that shows this is copied"
     };
-    if winit.focused_mode != mode {
-        winit.focused_mode = mode;
-        winit.unfocused_mode = mode;
+    if link::built_in(&app.session.scene).is_some() {
+        format!("{what}.")
+    } else {
+        format!("{what}; your own scene is not in it, as it stays on this machine.")
     }
 }
 
@@ -244,19 +222,29 @@ fn draw(
     mut contexts: EguiContexts,
     mut state: ResMut<UiState>,
     mut controlled: Controlled,
+    mut own: ResMut<OwnScene>,
     time: Res<Time<Real>>,
-    mut styled: Local<bool>,
+    mut styled: Local<Option<bool>>,
 ) -> Result {
     let pictures = [
         contexts.image_id(&controlled.panels.eye.image),
         contexts.image_id(&controlled.panels.view.image),
     ];
     let context = contexts.ctx_mut()?.clone();
-    if !*styled {
-        *styled = true;
-        style(&context);
+    state.touch |= context.input(|input| input.any_touches());
+    if *styled != Some(state.touch) {
+        *styled = Some(state.touch);
+        style(&context, state.touch);
     }
-    measure(&mut state, &controlled, &time);
+    state.measure(&controlled.ledger, &time);
+    state.places.clear();
+    let size = context.viewport_rect().size();
+    let open = state.controls_open.unwrap_or_else(|| has_room(size));
+    let open = open ^ std::mem::take(&mut state.toggle_controls);
+    if open != has_room(size) || state.controls_open.is_some() {
+        state.controls_open = Some(open);
+    }
+    let arrangement = arrange(size, open);
     let mut root = egui::Ui::new(
         context.clone(),
         "root".into(),
@@ -264,45 +252,60 @@ fn draw(
             .layer_id(LayerId::background())
             .max_rect(context.viewport_rect()),
     );
-    if state.controls_open {
-        egui::Panel::right("controls")
-            .resizable(true)
-            .default_size(250.0)
-            .show(&mut root, |ui| {
-                egui::ScrollArea::vertical().show(ui, |ui| {
-                    controls::draw(ui, &mut state, &mut controlled);
-                });
+    let mut panel = match arrangement.controls {
+        ControlsPlace::Hidden => None,
+        ControlsPlace::Right(width) => Some(
+            egui::Panel::right("controls beside")
+                .resizable(true)
+                .default_size(width)
+                .max_size(0.6 * size.x),
+        ),
+        ControlsPlace::Below(height) => Some(
+            egui::Panel::bottom("controls below")
+                .resizable(false)
+                .exact_size(height),
+        ),
+    };
+    if let Some(panel) = panel.take() {
+        panel.show(&mut root, |ui| {
+            egui::ScrollArea::vertical().show(ui, |ui| {
+                controls::draw(ui, &mut state, &mut controlled, &mut own);
             });
+        });
     }
-    egui::Panel::bottom("strip")
-        .resizable(true)
-        .default_size(112.0)
-        .show(&mut root, |ui| strip::draw(ui, &controlled));
+    if arrangement.strip {
+        egui::Panel::bottom("strip")
+            .resizable(true)
+            .default_size(126.0)
+            .max_size(0.5 * size.y)
+            .show(&mut root, |ui| strip::draw(ui, &controlled));
+    }
     egui::CentralPanel::default()
         .frame(egui::Frame::NONE.fill(egui::Color32::from_rgb(12, 12, 13)))
         .show(&mut root, |ui| {
             pictures::draw(ui, &mut state, &mut controlled, pictures);
+            pictures::notices(ui, &mut state, time.elapsed_secs_f64());
+            if !open {
+                pictures::open_button(ui, &mut state);
+            }
+            if own.hovered || own.is_busy() {
+                pictures::own_file(ui, own.is_busy());
+            }
         });
     Ok(())
 }
 
-fn style(context: &egui::Context) {
+fn style(context: &egui::Context, touch: bool) {
     context.set_visuals(egui::Visuals::dark());
     context.all_styles_mut(|style| {
-        style.spacing.item_spacing = egui::vec2(6.0, 5.0);
+        style.spacing.item_spacing = egui::vec2(6.0, if touch { 9.0 } else { 5.0 });
         style.interaction.selectable_labels = false;
+        if touch {
+            // A finger needs about 9 mm.
+            style.spacing.interact_size.y = 34.0;
+            style.spacing.button_padding = egui::vec2(10.0, 6.0);
+            style.spacing.slider_width = 130.0;
+            style.spacing.icon_width = 22.0;
+        }
     });
-}
-
-/// Work of the last second and a smoothed time of a frame.
-fn measure(state: &mut UiState, controlled: &Controlled, time: &Time<Real>) {
-    let ms = time.delta_secs_f64() * 1e3;
-    state.frame_ms += 0.1 * (ms - state.frame_ms);
-    let now = time.elapsed_secs_f64();
-    if now - state.work_clock_s >= 1.0 {
-        let work = controlled.ledger.read();
-        state.work = work.since(state.last_work);
-        state.last_work = work;
-        state.work_clock_s = now;
-    }
 }

@@ -25,10 +25,11 @@ pub fn draw(
     state.rectangles = rectangles(area, shown);
     if shown == [false, false] {
         ui.centered_and_justified(|ui| {
-            ui.weak("Both panels are hidden: nothing is drawn. Press B.")
+            ui.weak("Both panels are hidden: nothing is drawn. Press B, or choose one among the controls.")
         });
         return;
     }
+    // Points times this are the pixels of the screen that the window is on now.
     let scale = ui.ctx().pixels_per_point();
     if let Some(rectangle) = state.rectangles[0] {
         resize(
@@ -99,17 +100,21 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
     let response = ui.interact(rectangle, "eye".into(), Sense::click_and_drag());
     paint(ui, picture, rectangle);
     let mut orbit = *controlled.orbit;
-    if response.dragged() {
+    // Two fingers pinch; where they go together is not a drag of one.
+    let pinched = ui.input(|input| input.multi_touch());
+    if let Some(pinch) = pinched {
+        if rectangle.contains(pinch.center_pos) {
+            orbit.distance_mm /= pinch.zoom_delta.clamp(0.5, 2.0);
+        }
+    } else if response.dragged() {
         let drag = response.drag_delta();
         // The eye turns with the pointer, so the camera goes the other way; seen from in front
         // the patient's right is on the left.
         orbit.azimuth_deg += drag.x * 0.35;
         orbit.elevation_deg += drag.y * 0.35;
-    }
-    if response.hovered() {
-        let scroll =
-            ui.input(|input| input.smooth_scroll_delta.y + 120.0 * (input.zoom_delta() - 1.0));
-        orbit.distance_mm *= (-scroll * 0.002).exp();
+    } else if response.hovered() {
+        let (scroll, zoom) = ui.input(|input| (input.smooth_scroll_delta.y, input.zoom_delta()));
+        orbit.distance_mm *= (-scroll * 0.002).exp() / zoom.clamp(0.5, 2.0);
     }
     if response.double_clicked() {
         orbit = EyeOrbit::default();
@@ -118,6 +123,94 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
     if orbit != *controlled.orbit {
         *controlled.orbit = orbit;
     }
+}
+
+/// Seconds for which it is told what went well.
+const NOTICE_S: f64 = 8.0;
+
+/// What went wrong, until it is dismissed, and what went well, for a while: over the pictures, so that
+/// nothing moves under the pointer.
+pub fn notices(ui: &mut Ui, state: &mut UiState, now_s: f64) {
+    if let Some((_, from_s)) = &mut state.notice
+        && now_s - *from_s.get_or_insert(now_s) > NOTICE_S
+    {
+        state.notice = None;
+    }
+    if state.message.is_none() && state.notice.is_none() {
+        return;
+    }
+    let area = ui.max_rect();
+    egui::Area::new("notices".into())
+        .fixed_pos(area.min + vec2(8.0, 8.0))
+        .show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width((area.width() - 84.0).clamp(120.0, 460.0));
+                if let Some(message) = state.message.clone() {
+                    ui.colored_label(ui.visuals().error_fg_color, message);
+                    if ui.button("Dismiss").clicked() {
+                        state.message = None;
+                    }
+                }
+                if let Some((notice, _)) = state.notice.clone()
+                    && ui
+                        .add(egui::Label::new(notice).sense(Sense::click()))
+                        .clicked()
+                {
+                    state.notice = None;
+                }
+            });
+        });
+}
+
+/// The button that brings the controls; a telephone has no key for that.
+pub fn open_button(ui: &mut Ui, state: &mut UiState) {
+    let side = if state.touch { 44.0 } else { 30.0 };
+    let corner = ui.max_rect().right_top() + vec2(-side - 8.0, 8.0);
+    egui::Area::new("open controls".into())
+        .fixed_pos(corner)
+        .show(ui.ctx(), |ui| {
+            if bars(ui, side, "Show the controls (H)", state) {
+                state.toggle_controls = true;
+            }
+        });
+}
+
+/// A square button with three bars.
+pub fn bars(ui: &mut Ui, side: f32, hint: &str, state: &mut UiState) -> bool {
+    let (rectangle, response) = ui.allocate_exact_size(vec2(side, side), Sense::click());
+    state.places.insert("controls", rectangle);
+    let visuals = ui.style().interact(&response);
+    let painter = ui.painter();
+    painter.rect_filled(rectangle, 5.0, visuals.weak_bg_fill.gamma_multiply(0.85));
+    for step in [-1.0, 0.0, 1.0] {
+        let y = rectangle.center().y + step * side * 0.2;
+        let x = rectangle.x_range().shrink(side * 0.24);
+        painter.hline(x, y, egui::Stroke::new(2.0, visuals.text_color()));
+    }
+    response.on_hover_text(hint).clicked()
+}
+
+/// What happens with a file that hovers over the window, or is being read.
+pub fn own_file(ui: &mut Ui, reading: bool) {
+    let area = ui.max_rect();
+    let sentence = if reading {
+        "Reading…"
+    } else {
+        "Drop a photograph, a model or a patient file: it stays on this machine."
+    };
+    let painter = ui.ctx().layer_painter(egui::LayerId::new(
+        egui::Order::Foreground,
+        "own file".into(),
+    ));
+    painter.rect_filled(area, 0.0, egui::Color32::from_black_alpha(150));
+    let colour = egui::Color32::from_gray(225);
+    let text = painter.layout(
+        sentence.into(),
+        egui::FontId::proportional(16.0),
+        colour,
+        area.width() - 32.0,
+    );
+    painter.galley(area.center() - 0.5 * text.size(), text, colour);
 }
 
 fn view(
@@ -139,6 +232,10 @@ fn view(
         );
         return;
     }
+    // A second finger is a pinch, and no place to look at.
+    if ui.input(|input| input.multi_touch().is_some()) {
+        return;
+    }
     let target = |at: egui::Pos2| {
         let share = (at - rectangle.min) / rectangle.size();
         let size = controlled.panels.view.size.as_vec2();
@@ -149,18 +246,15 @@ fn view(
     let command = if response.clicked() {
         response.interact_pointer_pos().map(|at| {
             let (azimuth_rad, elevation_rad, distance_m) = target(at);
-            match state.gaze {
-                GazeMode::Auto => GazeCommand::LookOnce {
+            if state.gaze == GazeMode::Auto {
+                return GazeCommand::LookOnce {
                     azimuth_rad,
                     elevation_rad,
                     distance_m,
-                },
-                _ => GazeCommand::Fixed {
-                    azimuth_rad,
-                    elevation_rad,
-                    distance_m,
-                },
+                };
             }
+            state.fixed_at = (azimuth_rad, elevation_rad, distance_m);
+            state.gaze_command()
         })
     } else if state.gaze == GazeMode::Follow && ui.input(|input| input.pointer.is_moving()) {
         response.hover_pos().map(|at| {

@@ -2,8 +2,8 @@
 
 use super::Controlled;
 use crate::motion::trace::TraceRow;
-use bevy_egui::egui::{Color32, Ui};
-use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
+use bevy_egui::egui::{Color32, RichText, Ui};
+use egui_plot::{Line, Plot, PlotPoints};
 
 /// Seconds shown.
 const SPAN_S: f64 = 10.0;
@@ -34,12 +34,20 @@ pub fn draw(ui: &mut Ui, controlled: &Controlled) {
             row.lid_aperture * 10.0
         }),
     ];
+    // The names stand above the curves and not over them.
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 14.0;
+        for (name, colour, value) in &series {
+            let value = motion.strip.back().map(value);
+            let value = value.map_or_else(String::new, |value| format!(" {value:.1}"));
+            ui.label(
+                RichText::new(format!("{name}{value}"))
+                    .color(*colour)
+                    .small(),
+            );
+        }
+    });
     Plot::new("strip")
-        .legend(
-            Legend::default()
-                .follow_insertion_order(true)
-                .position(Corner::LeftTop),
-        )
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
@@ -49,7 +57,10 @@ pub fn draw(ui: &mut Ui, controlled: &Controlled) {
         .include_x(now.max(SPAN_S * 0.01))
         .include_y(-12.0)
         .include_y(12.0)
-        .x_axis_formatter(|mark, _| format!("{:.0} s", mark.value))
+        .x_axis_formatter(|mark, _| match mark.value {
+            before if before < 0.0 => String::new(),
+            time_s => format!("{time_s:.0} s"),
+        })
         .height(ui.available_height())
         .show(ui, |plot| {
             for (name, color, value) in series {

@@ -1,10 +1,7 @@
 //! What a glTF file asks for that is not there or not read, before its library says so less clearly.
 
 use super::super::model::SceneError;
-use super::super::photo::one_clause;
 use super::malformed;
-use super::surfaces::percent_decode;
-use std::path::Path;
 
 /// Compressions that are not read, and how to export without them.
 const COMPRESSIONS: [(&str, &str); 5] = [
@@ -26,25 +23,6 @@ pub(super) fn check_extensions(json: &gltf::json::Root, name: &str) -> Result<()
                 format!(
                     "it needs {what} ({required}), which is not read: export it again with compression switched off"
                 ),
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// Names the buffer file that is not there, which the library does not.
-pub(super) fn check_buffer_files(
-    json: &gltf::json::Root,
-    name: &str,
-    base: Option<&Path>,
-) -> Result<(), SceneError> {
-    let uris = json.buffers.iter().filter_map(|buffer| buffer.uri.as_ref());
-    for uri in uris.filter(|uri| !uri.starts_with("data:")) {
-        let there = base.is_some_and(|base| base.join(percent_decode(uri)).is_file());
-        if !there {
-            return Err(malformed(
-                name,
-                format!("its buffer file \"{}\" is not beside it", one_clause(uri)),
             ));
         }
     }

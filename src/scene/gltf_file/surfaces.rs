@@ -1,7 +1,6 @@
 //! Materials and textures of a glTF file.
 
 use super::super::model::{Alpha, SceneError, SceneMaterial, SceneTexture};
-use super::super::photo::read_named_file;
 use super::super::picture_file::{Meaning, decode_picture};
 use super::{EMISSION_CD_M2, Source};
 use gltf::texture::WrappingMode;
@@ -94,7 +93,9 @@ impl Shelf {
         let decode = |bytes: &[u8]| decode_picture(bytes, &name, 1, Meaning::Data);
         let decoded = match image.source() {
             image::Source::View { view, .. } => decode(source.view(&view)?)?,
-            image::Source::Uri { uri, .. } => decode(&fetch(uri, source)?)?,
+            image::Source::Uri { uri, .. } => {
+                decode(&source.beside.read(uri, source.name, "texture")?)?
+            }
         };
         let rgba = decoded.image.into_rgba8();
         self.texels += u64::from(rgba.width()) * u64::from(rgba.height());
@@ -112,92 +113,5 @@ impl Shelf {
         });
         self.place.insert(key, self.textures.len() - 1);
         Ok(self.textures.len() - 1)
-    }
-}
-
-/// The bytes behind an image's URI: inline data, or a file beside the scene.
-fn fetch(uri: &str, source: &Source) -> Result<Vec<u8>, SceneError> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-        let decoded = encoded.and_then(base64_decode);
-        return decoded.ok_or_else(|| source.malformed("an inline image is not valid base64"));
-    }
-    let Some(base) = source.base else {
-        return Err(source.malformed(format!(
-            "it refers to the file \"{uri}\", which a lone file cannot bring along"
-        )));
-    };
-    if uri.contains("://") {
-        return Err(source.malformed(format!(
-            "it refers to \"{uri}\", but only files beside it are read"
-        )));
-    }
-    read_named_file(&base.join(percent_decode(uri)), "texture")
-}
-
-/// RFC 4648, section 4; white space is not allowed.
-pub(super) fn base64_decode(text: &str) -> Option<Vec<u8>> {
-    let digits = text.trim_end_matches('=').as_bytes();
-    let mut bytes = Vec::with_capacity(digits.len() * 3 / 4);
-    let (mut bits, mut count) = (0u32, 0);
-    for &digit in digits {
-        let value = match digit {
-            b'A'..=b'Z' => digit - b'A',
-            b'a'..=b'z' => digit - b'a' + 26,
-            b'0'..=b'9' => digit - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-        }
-    }
-    Some(bytes)
-}
-
-/// RFC 3986, section 2.1; what is not an escape stays as it is.
-pub(super) fn percent_decode(uri: &str) -> String {
-    let bytes = uri.as_bytes();
-    let (mut decoded, mut at) = (Vec::with_capacity(bytes.len()), 0);
-    while at < bytes.len() {
-        let escape = uri.get(at + 1..at + 3).filter(|_| bytes[at] == b'%');
-        if let Some(value) = escape.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
-            decoded.push(value);
-            at += 3;
-        } else {
-            decoded.push(bytes[at]);
-            at += 1;
-        }
-    }
-    String::from_utf8_lossy(&decoded).into_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_meets_the_vectors_of_rfc_4648() {
-        for (text, plain) in [
-            ("", ""),
-            ("Zg==", "f"),
-            ("Zm8=", "fo"),
-            ("Zm9v", "foo"),
-            ("Zm9vYmE=", "fooba"),
-            ("Zm9vYmFy", "foobar"),
-        ] {
-            assert_eq!(base64_decode(text).unwrap(), plain.as_bytes());
-        }
-        assert_eq!(base64_decode("Zm9*"), None);
-    }
-
-    #[test]
-    fn escapes_in_file_names_are_decoded() {
-        assert_eq!(percent_decode("a%20b%C3%A9.png"), "a bé.png");
-        assert_eq!(percent_decode("100%.png"), "100%.png");
     }
 }

@@ -440,7 +440,7 @@ fn a_buffer_that_is_not_there_is_named() {
     std::fs::write(&path, text).unwrap();
     let error = load_gltf(&path, None).unwrap_err().to_string();
     assert!(
-        error.contains("far%20away.bin") && error.len() < 400,
+        error.contains("far away.bin") && error.len() < 400,
         "{error}"
     );
 }

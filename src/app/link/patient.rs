@@ -1,0 +1,124 @@
+//! A patient as a built-in one and the fields in which it differs.
+
+use crate::anatomy::{PRESETS, PatientError, PatientFile, load_patient, parse_unchecked};
+use serde_json::{Map, Value};
+
+fn fields_of(patient: &PatientFile) -> Map<String, Value> {
+    match serde_json::to_value(patient) {
+        Ok(Value::Object(fields)) => fields,
+        // A struct of numbers, names and options is an object.
+        _ => Map::new(),
+    }
+}
+
+/// The nearest built-in patient's name and, by name, the fields in which this one differs.
+pub fn changes(patient: &PatientFile) -> (&'static str, Vec<(String, String)>) {
+    let wanted = fields_of(patient);
+    let differences = PRESETS.iter().filter_map(|preset| {
+        let usual = fields_of(&load_patient(preset.name).ok()?);
+        let differing: Vec<_> = wanted
+            .iter()
+            .filter(|(field, value)| usual.get(*field) != Some(*value))
+            .map(|(field, value)| (key_of(field).to_owned(), notation(value)))
+            .collect();
+        Some((preset.name, differing))
+    });
+    differences
+        .min_by_key(|(_, differing)| differing.len())
+        .unwrap_or((PRESETS[0].name, Vec::new()))
+}
+
+/// A value as a patient file writes it; text stands without quotation marks.
+fn notation(value: &Value) -> String {
+    match value {
+        Value::Null => "None".into(),
+        Value::String(text) => text.clone(),
+        Value::Array(parts) => {
+            let parts: Vec<String> = parts.iter().map(notation).collect();
+            format!("({})", parts.join(","))
+        }
+        // An enum's variant with a value, as in Fixed(4.0).
+        Value::Object(variant) => variant
+            .iter()
+            .map(|(name, value)| format!("{name}({})", notation(value)))
+            .collect(),
+        other => {
+            let number = other.to_string();
+            number.strip_suffix(".0").unwrap_or(&number).to_owned()
+        }
+    }
+}
+
+/// Fields that hold text.
+const TEXTS: [&str; 2] = ["name", "description"];
+/// The patient's seed by its name in a link, where `seed` is that of the session.
+const PATIENT_SEED: &str = "patient_seed";
+
+fn key_of(field: &str) -> &str {
+    if field == "seed" { PATIENT_SEED } else { field }
+}
+
+fn field_of(key: &str) -> &str {
+    if key == PATIENT_SEED { "seed" } else { key }
+}
+
+/// The built-in patient with these fields changed. One that is refused stays as it is and adds a
+/// sentence.
+pub(super) fn with_changes(
+    preset: &str,
+    changes: &[(&str, &str)],
+    refused: &mut Vec<String>,
+) -> PatientFile {
+    let usual = load_patient(preset).unwrap_or_default();
+    let mut wanted = Map::new();
+    for &(key, value) in changes {
+        match read(field_of(key), value) {
+            Ok(value) => {
+                wanted.insert(field_of(key).into(), value);
+            }
+            Err(reason) => refused.push(reason),
+        }
+    }
+    // Fields may be sound only together, so they are judged together, and the one that fails goes.
+    loop {
+        let mut fields = fields_of(&usual);
+        fields.extend(wanted.clone());
+        let Ok(patient) = serde_json::from_value::<PatientFile>(Value::Object(fields)) else {
+            refused.push("The link's patient cannot be read.".into());
+            return usual;
+        };
+        let Err(error) = patient.check("The link") else {
+            return patient;
+        };
+        refused.push(format!("{error}."));
+        let failed = match error {
+            PatientError::OutOfRange { field, .. } => wanted.remove(field),
+            _ => None,
+        };
+        if failed.is_none() {
+            return usual;
+        }
+    }
+}
+
+/// One field's value.
+fn read(field: &str, value: &str) -> Result<Value, String> {
+    let key = key_of(field);
+    if !fields_of(&PatientFile::default()).contains_key(field) {
+        return Err(format!("The link's key {key:?} is not known."));
+    }
+    if TEXTS.contains(&field) {
+        return Ok(Value::String(value.into()));
+    }
+    let refuse = |reason: &str| format!("The link's {key} is {value:?}: {reason}.");
+    match parse_unchecked(&format!("({field}: {value})"), "link") {
+        Ok(patient) => match fields_of(&patient).remove(field) {
+            // JSON has no number for infinity and NaN, and no field may hold one.
+            Some(Value::Null) if value != "None" => Err(refuse("it is not a number")),
+            Some(value) => Ok(value),
+            None => Err(refuse("it cannot be read")),
+        },
+        Err(PatientError::Syntax { reason, .. }) => Err(refuse(&reason)),
+        Err(error) => Err(refuse(&error.to_string())),
+    }
+}

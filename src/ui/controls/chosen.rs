@@ -1,0 +1,178 @@
+//! What is shown: patient, scene, how a user's own scene stands, files and link.
+
+use super::super::link::built_in;
+use super::super::state::{Controlled, UiState};
+use super::super::{OwnScene, Request, preset_shown};
+use crate::anatomy::{PRESETS, load_patient};
+use crate::app::SessionCommand;
+use crate::motion::MotionCommand;
+use crate::scene::catalog::{BuiltIn, LoadedScene};
+use crate::scene::photo::PhotoDepth;
+use bevy_egui::egui::{self, Ui};
+use std::sync::Arc;
+
+/// The list of patients, by their titles.
+pub fn patient(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        ui.label("Patient");
+        let list = egui::ComboBox::from_id_salt("patient")
+            .selected_text(controlled.session.patient.name.as_str())
+            .width((ui.available_width() - 12.0).max(80.0))
+            .truncate()
+            .show_ui(ui, |ui| {
+                let shown = preset_shown(&controlled.session);
+                for (index, title) in state.titles.iter().enumerate() {
+                    if ui.selectable_label(shown == Some(index), title).clicked() {
+                        chosen = Some(index);
+                    }
+                }
+            });
+        state.places.insert("patients", list.response.rect);
+    });
+    if !controlled.session.patient.description.is_empty() {
+        ui.weak(controlled.session.patient.description.as_str());
+    }
+    if !state.changes.is_empty() {
+        ui.label(format!("Changed: {}", state.changes));
+    }
+    let Some(preset) = chosen.and_then(|index| PRESETS.get(index)) else {
+        return;
+    };
+    match load_patient(preset.name) {
+        Ok(patient) => {
+            state.held_pupil_mm = None;
+            controlled.motion_commands.write(MotionCommand::Pupil(None));
+            controlled
+                .session_commands
+                .write(SessionCommand::Patient(Box::new(patient)));
+        }
+        Err(error) => state.message = Some(error.to_string()),
+    }
+}
+
+/// The list of scenes, by their titles, and what there is to know about how a user's own was read.
+pub fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
+    let shown = built_in(&controlled.session.scene);
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        ui.label("Scene");
+        let title = match shown {
+            Some(scene) => scene.title().to_owned(),
+            None => file_name(controlled.session.scene.name()),
+        };
+        egui::ComboBox::from_id_salt("scene")
+            .selected_text(title)
+            .width((ui.available_width() - 12.0).max(80.0))
+            .truncate()
+            .show_ui(ui, |ui| {
+                for scene in BuiltIn::ALL {
+                    let label = ui.selectable_label(shown == Some(scene), scene.title());
+                    if label.on_hover_text(scene.description()).clicked() {
+                        chosen = Some(scene);
+                    }
+                }
+            });
+    });
+    for remark in controlled.session.scene.remarks() {
+        ui.weak(remark);
+    }
+    if let Some(scene) = chosen {
+        match scene.build() {
+            Ok(model) => {
+                let scene = Arc::new(LoadedScene::Model(Box::new(model)));
+                controlled
+                    .session_commands
+                    .write(SessionCommand::Scene(scene));
+            }
+            Err(error) => state.message = Some(error.to_string()),
+        }
+    }
+}
+
+fn file_name(path: &str) -> String {
+    path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned()
+}
+
+/// Distance and height of a photograph, the unit of a model.
+pub fn placement(ui: &mut Ui, controlled: &mut Controlled, own: &mut OwnScene) {
+    match &*controlled.session.scene {
+        LoadedScene::Photo(photo) => {
+            let mut wanted = (photo.depth_m.clone(), photo.vertical_fov_deg);
+            let mut settled = false;
+            // The photograph is taken up again only when the finger or the mouse lets go.
+            let id = egui::Id::new("photo placement");
+            if let Some((distance_m, height_deg)) = ui.data(|data| data.get_temp::<(f32, f32)>(id))
+            {
+                if let PhotoDepth::Constant(distance) = &mut wanted.0 {
+                    *distance = distance_m;
+                }
+                wanted.1 = height_deg;
+            }
+            if let PhotoDepth::Constant(distance_m) = &mut wanted.0 {
+                let slider = egui::Slider::new(distance_m, 0.1..=100.0)
+                    .logarithmic(true)
+                    .suffix(" m")
+                    .text("away");
+                let slider = ui.add(slider);
+                settled |= slider.drag_stopped() || slider.lost_focus();
+            }
+            let slider = egui::Slider::new(&mut wanted.1, 1.0..=120.0)
+                .suffix("°")
+                .text("high");
+            let slider = ui.add(slider);
+            settled |= slider.drag_stopped() || slider.lost_focus();
+            let distance_m = match wanted.0 {
+                PhotoDepth::Constant(distance_m) => distance_m,
+                PhotoDepth::Map(_) => 0.0,
+            };
+            if !settled {
+                ui.data_mut(|data| data.insert_temp(id, (distance_m, wanted.1)));
+                return;
+            }
+            ui.data_mut(|data| data.remove::<(f32, f32)>(id));
+            if (&wanted.0, wanted.1) != (&photo.depth_m, photo.vertical_fov_deg) {
+                let mut stood = photo.clone();
+                (stood.depth_m, stood.vertical_fov_deg) = wanted;
+                let scene = Arc::new(LoadedScene::Photo(stood));
+                controlled
+                    .session_commands
+                    .write(SessionCommand::Scene(scene));
+            }
+        }
+        LoadedScene::Model(_) if own.model.is_some() => {
+            ui.horizontal_wrapped(|ui| {
+                ui.label("Its unit");
+                for (name, unit_m) in [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)] {
+                    let shown = own.unit_m.unwrap_or(1.0) == unit_m;
+                    if ui.selectable_label(shown, name).clicked() {
+                        controlled.requests.write(Request::ModelUnit(Some(unit_m)));
+                    }
+                }
+            });
+        }
+        LoadedScene::Model(_) => {}
+    }
+}
+
+/// Own files and the link.
+pub fn files(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
+    ui.horizontal_wrapped(|ui| {
+        let open = ui.button("Open own file…").on_hover_text(
+            "A photograph (with its depth image, if there is one), a glTF model, or a patient file. It stays on this machine.",
+        );
+        state.places.insert("open", open.rect);
+        if open.clicked() {
+            controlled.requests.write(Request::ChooseFiles);
+        }
+        let copy = ui.button("Copy link").on_hover_text(if cfg!(target_arch = "wasm32") {
+            "The address of this page as it is shown now"
+        } else {
+            "A command line that shows this; its link opens in a browser too"
+        });
+        state.places.insert("copy", copy.rect);
+        if copy.clicked() {
+            controlled.requests.write(Request::CopyLink);
+        }
+    });
+}

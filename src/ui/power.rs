@@ -1,0 +1,82 @@
+//! Drawing as finely as the machine can, and not at all while nothing moves.
+
+use crate::app::{Panels, SimulationClock};
+use crate::percept::{Percept, ViewOptions};
+use crate::readiness::Readiness;
+use bevy::prelude::*;
+use bevy::winit::{UpdateMode, WinitSettings};
+use std::time::Duration;
+
+/// Four samples a pixel where the machine draws them quickly, one where it does not.
+pub(super) fn choose_quality(
+    time: Res<Time<Real>>,
+    clock: Res<SimulationClock>,
+    adapter: Option<Res<bevy::render::renderer::RenderAdapterInfo>>,
+    mut quality: ResMut<crate::appearance::EyeQuality>,
+    mut options: ResMut<ViewOptions>,
+    mut fast_frames: Local<u32>,
+    mut decided: Local<bool>,
+) {
+    if *decided {
+        return;
+    }
+    // A browser does not say what draws, so it starts plain and earns its samples.
+    let hardware = adapter.is_some_and(|adapter| {
+        matches!(
+            adapter.device_type,
+            wgpu_types::DeviceType::DiscreteGpu | wgpu_types::DeviceType::IntegratedGpu
+        )
+    });
+    if hardware {
+        *decided = true;
+        return;
+    }
+    quality.set_if_neq(crate::appearance::EyeQuality { msaa: Msaa::Off });
+    if options.supersampling != 1 {
+        options.supersampling = 1;
+    }
+    if clock.ready && !clock.paused {
+        *fast_frames = if time.delta_secs() < 0.024 {
+            *fast_frames + 1
+        } else {
+            0
+        };
+        if *fast_frames > 90 {
+            *decided = true;
+            quality.msaa = Msaa::Sample4;
+            options.supersampling = ViewOptions::default().supersampling;
+        }
+    }
+}
+
+/// While nothing moves, the window waits for input instead of drawing.
+pub(super) fn save_power(
+    clock: Res<SimulationClock>,
+    panels: Res<Panels>,
+    percept: Res<Percept>,
+    readiness: Res<Readiness>,
+    (own, saving): (Res<super::OwnScene>, Res<super::save::Saving>),
+    winit: Option<ResMut<WinitSettings>>,
+    mut calm_frames: Local<u32>,
+) {
+    let Some(mut winit) = winit else { return };
+    // A panel that was resized or shown a moment ago still has to be captured and drawn.
+    let busy = !clock.ready
+        || !clock.paused
+        || clock.steps > 0
+        || own.is_busy()
+        || saving.is_busy()
+        || readiness.quiet_frames() < 5
+        || (panels.view.visible
+            && (!percept.is_captured() || percept.captured().size != panels.view.size));
+    *calm_frames = if busy { 0 } else { *calm_frames + 1 };
+    let mode = if *calm_frames > 10 {
+        UpdateMode::reactive_low_power(Duration::from_secs(5))
+    } else {
+        UpdateMode::Continuous
+    };
+    if winit.focused_mode != mode {
+        winit.focused_mode = mode;
+        winit.unfocused_mode = mode;
+    }
+}

@@ -1,0 +1,162 @@
+//! What the controls remember, and everything that they read and command.
+
+use crate::anatomy::{PRESETS, load_patient};
+use crate::app::{Panels, Session, SessionCommand, SimulationClock};
+use crate::appearance::EyeOrbit;
+use crate::ledger::{Work, WorkLedger};
+use crate::motion::engine::GazeCommand;
+use crate::motion::{Motion, MotionCommand};
+use crate::percept::{Percept, ViewOptions};
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy_egui::egui;
+use std::collections::BTreeMap;
+
+/// Who directs gaze.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GazeMode {
+    /// The eye looks about by itself.
+    #[default]
+    Auto,
+    /// It follows the pointer over the view.
+    Follow,
+    /// It stays where it was last sent.
+    Fixed,
+}
+
+/// A direction and a distance to look at: rad to the right, rad up, m.
+pub type Place = (f64, f64, f64);
+
+/// What the controls remember.
+#[derive(Resource)]
+pub struct UiState {
+    /// Are the controls shown? `None`: where there is room for them.
+    pub controls_open: Option<bool>,
+    /// The controls are to be shown, or put away, from the next frame.
+    pub toggle_controls: bool,
+    /// Who directs gaze.
+    pub gaze: GazeMode,
+    /// Where gaze stays while it is fixed.
+    pub fixed_at: Place,
+    /// Pupil held by hand, mm.
+    pub held_pupil_mm: Option<f64>,
+    /// The seed as typed.
+    pub seed: String,
+    /// In which fields a patient with a built-in one's name differs from it.
+    pub changes: String,
+    /// Titles of the built-in patients.
+    pub titles: Vec<String>,
+    /// What went wrong last, for the user.
+    pub message: Option<String>,
+    /// What went well last, for the user, and from when it is shown, s of real time.
+    pub notice: Option<(String, Option<f64>)>,
+    /// Rectangles of eye and view in points, where they are shown.
+    pub rectangles: [Option<egui::Rect>; 2],
+    /// Rectangles of controls in points by name, for tests that press them.
+    pub places: BTreeMap<&'static str, egui::Rect>,
+    /// Is it drawn for fingers?
+    pub touch: bool,
+    /// Work of the last second.
+    pub work: Work,
+    /// Milliseconds between frames, smoothed.
+    pub frame_ms: f64,
+    last_work: Work,
+    work_clock_s: f64,
+}
+
+impl Default for UiState {
+    fn default() -> Self {
+        let title = |name: &str| load_patient(name).map_or(name.into(), |patient| patient.name);
+        Self {
+            controls_open: None,
+            toggle_controls: false,
+            gaze: GazeMode::Auto,
+            fixed_at: (0.0, 0.0, f64::INFINITY),
+            held_pupil_mm: None,
+            seed: "1".into(),
+            changes: String::new(),
+            titles: PRESETS.iter().map(|preset| title(preset.name)).collect(),
+            message: None,
+            notice: None,
+            rectangles: [None; 2],
+            places: BTreeMap::new(),
+            touch: crate::app::host::is_touch(),
+            work: Work::default(),
+            frame_ms: 0.0,
+            last_work: Work::default(),
+            work_clock_s: 0.0,
+        }
+    }
+}
+
+/// Describes the patient anew when it is another.
+pub(super) fn describe_patient(session: Res<Session>, mut state: ResMut<UiState>) {
+    let (_, changes) = crate::app::link::changes(&session.patient);
+    let is_renamed = changes.iter().any(|(field, _)| field == "name");
+    let changes: Vec<_> = changes
+        .iter()
+        .filter(|_| !is_renamed)
+        .map(|(field, value)| format!("{field} {value}"))
+        .collect();
+    state.changes = changes.join(", ");
+}
+
+/// Everything that the controls read and command.
+#[derive(SystemParam)]
+pub struct Controlled<'w> {
+    pub(super) session: Res<'w, Session>,
+    pub(super) clock: ResMut<'w, SimulationClock>,
+    pub(super) panels: ResMut<'w, Panels>,
+    pub(super) images: ResMut<'w, Assets<Image>>,
+    pub(super) orbit: ResMut<'w, EyeOrbit>,
+    pub(super) options: ResMut<'w, ViewOptions>,
+    pub(super) motion: Option<Res<'w, Motion>>,
+    pub(super) percept: Res<'w, Percept>,
+    pub(super) ledger: Res<'w, WorkLedger>,
+    pub(super) session_commands: MessageWriter<'w, SessionCommand>,
+    pub(super) motion_commands: MessageWriter<'w, MotionCommand>,
+    pub(super) requests: MessageWriter<'w, super::Request>,
+}
+
+/// What of the app a link says, beside what the controls remember.
+#[derive(SystemParam)]
+pub(super) struct Shown<'w> {
+    pub(super) session: Res<'w, Session>,
+    pub(super) clock: Res<'w, SimulationClock>,
+    pub(super) panels: Res<'w, Panels>,
+    pub(super) orbit: Res<'w, EyeOrbit>,
+    pub(super) options: Res<'w, ViewOptions>,
+}
+
+impl UiState {
+    /// Tells the user something that needs no answer.
+    pub(super) fn tell(&mut self, sentence: String) {
+        self.notice = Some((sentence, None));
+    }
+
+    /// Work of the last second and a smoothed time of a frame.
+    pub(super) fn measure(&mut self, ledger: &WorkLedger, time: &Time<Real>) {
+        let ms = time.delta_secs_f64() * 1e3;
+        self.frame_ms += 0.1 * (ms - self.frame_ms);
+        let now = time.elapsed_secs_f64();
+        if now - self.work_clock_s >= 1.0 {
+            let work = ledger.read();
+            self.work = work.since(self.last_work);
+            self.last_work = work;
+            self.work_clock_s = now;
+        }
+    }
+
+    /// The command that keeps gaze where the controls say it is.
+    pub(super) fn gaze_command(&self) -> GazeCommand {
+        let (azimuth_rad, elevation_rad, distance_m) = self.fixed_at;
+        match self.gaze {
+            GazeMode::Auto => GazeCommand::Auto,
+            GazeMode::Follow | GazeMode::Fixed => GazeCommand::Fixed {
+                azimuth_rad,
+                elevation_rad,
+                distance_m,
+            },
+        }
+    }
+}
