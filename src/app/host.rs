@@ -15,8 +15,8 @@ mod page;
 pub use desktop::{Clipboard, choose_files, copy_text, is_touch, read_paths, save_file};
 #[cfg(target_arch = "wasm32")]
 pub use page::{
-    Clipboard, address, choose_files, copy_text, device_lost, fragment, is_touch, replace_fragment,
-    save_file,
+    Clipboard, address, choose_files, copy_text, device_lost, fragment, is_telephone, is_touch,
+    replace_fragment, save_file,
 };
 
 /// What comes in from outside.

@@ -66,6 +66,7 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         ui.label("Seed");
         let field = ui.add(egui::TextEdit::singleline(&mut state.seed).desired_width(90.0));
         state.places.insert("seed", field.rect);
+        super::touch::raise_keyboard(&field);
         let valid = state.seed.trim().parse::<u64>();
         if valid.is_err() {
             ui.colored_label(ui.visuals().error_fg_color, "a whole number from 0");

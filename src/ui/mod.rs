@@ -12,6 +12,7 @@ mod power;
 mod save;
 mod state;
 mod strip;
+mod touch;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use link::link_of;
@@ -31,7 +32,10 @@ use bevy::prelude::*;
 #[cfg(target_arch = "wasm32")]
 use bevy::time::common_conditions::on_real_timer;
 use bevy_egui::egui::{self, LayerId, UiBuilder};
-use bevy_egui::{EguiContexts, EguiPrimaryContextPass, EguiTextureHandle, EguiUserTextures};
+use bevy_egui::{
+    EguiContexts, EguiInputSet, EguiPreUpdateSet, EguiPrimaryContextPass, EguiTextureHandle,
+    EguiUserTextures,
+};
 
 /// What the controls ask of the machine.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
@@ -81,6 +85,12 @@ impl Plugin for UiPlugin {
                     .chain()
                     .after(EyeSystems::Sense)
                     .before(EyeSystems::Decide),
+            )
+            .add_systems(
+                PreUpdate,
+                touch::keep_short_taps
+                    .after(EguiInputSet::WriteEguiEvents)
+                    .before(EguiPreUpdateSet::BeginPass),
             )
             .add_systems(EguiPrimaryContextPass, draw);
         #[cfg(not(target_arch = "wasm32"))]

@@ -4,130 +4,31 @@
 //
 // Leaves screenshots and report.json in out/web. CHROMIUM names the browser.
 import assert from "node:assert/strict";
-import { accessSync, constants } from "node:fs";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
-import { delimiter, join } from "node:path";
-import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
+import { join } from "node:path";
 import { DIST, serve } from "../serve.mjs";
+import { checkDeviceLoss, checkHiding, DEVICES, SLEEPER } from "./device.mjs";
+import {
+  check,
+  launch,
+  MOTION_LIMIT_S,
+  openPage,
+  OUT,
+  PANELS,
+  pause,
+  published,
+  READY_LIMIT_S,
+  readState,
+  report,
+  screenshot,
+  SOFTWARE_WEBGPU,
+  tally,
+  until,
+  VIEWPORT,
+} from "./harness.mjs";
+import { checkOwn } from "./own.mjs";
 import * as pixels from "./pixels.mjs";
-
-const OUT = fileURLToPath(new URL("../../out/web", import.meta.url));
-const VIEWPORT = { width: 1280, height: 720 };
-const READY_LIMIT_S = 90; // on two slow cores; the target on a usual machine is in docs/performance.md
-const MOTION_LIMIT_S = 60; // an eye at rest may hold still for a while, and a frame may take seconds
-
-// The only set of flags with which Chromium gives WebGPU to a machine without GPU and display.
-const SOFTWARE_WEBGPU = [
-  "--enable-unsafe-webgpu",
-  "--ignore-gpu-blocklist",
-  "--enable-features=Vulkan",
-  "--use-vulkan=swiftshader",
-  "--use-webgpu-adapter=swiftshader",
-  "--use-angle=swiftshader",
-  "--enable-unsafe-swiftshader",
-];
-const QUIET = [
-  "--no-sandbox",
-  "--no-first-run",
-  "--disable-background-networking",
-  "--disable-component-update",
-  "--disable-sync",
-  "--disable-quic",
-];
-
-// ---- A small harness ----------------------------------------------------------------------------
-
-let passed = 0;
-let failed = 0;
-const report = {};
-
-async function check(name, body) {
-  try {
-    await body();
-    passed += 1;
-    console.log(`ok    ${name}`);
-  } catch (error) {
-    failed += 1;
-    console.log(`FAIL  ${name}: ${error.message}`);
-  }
-}
-
-const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
-
-/** Calls `attempt` until it returns something true; its last answer after `limit_s`. */
-async function until(limit_s, attempt) {
-  const end = Date.now() + 1000 * limit_s;
-  for (;;) {
-    const answer = await attempt();
-    if (answer || Date.now() > end) return answer;
-    await pause(250);
-  }
-}
-
-function findBrowser() {
-  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  const places = names.flatMap((name) => process.env.PATH.split(delimiter).map((folder) => join(folder, name)));
-  const found = [process.env.CHROMIUM, ...places].filter(Boolean).find((file) => {
-    try {
-      accessSync(file, constants.X_OK);
-      return true;
-    } catch {
-      return false;
-    }
-  });
-  if (!found) throw new Error("Chromium is missing: install it, or set CHROMIUM to its binary");
-  return found;
-}
-
-const launch = (flags) => chromium.launch({ executablePath: findBrowser(), args: [...QUIET, ...flags] });
-
-/** Opens a page and keeps everything that goes wrong on it, in words. */
-async function openPage(browser) {
-  const page = await browser.newPage({ viewport: VIEWPORT });
-  await page.addInitScript(() => {
-    // The app publishes its state a few times a second; counting that tells how far it has come.
-    let state;
-    window.publications = 0;
-    Object.defineProperty(window, "oculariumState", {
-      get: () => state,
-      set(value) {
-        state = value;
-        window.publications += 1;
-      },
-    });
-  });
-  const complaints = [];
-  page.on("console", (entry) => {
-    // A shader or a pipeline that the browser refuses is only a warning of Chromium's.
-    const refused = entry.type() === "warning" && /validation|WGSL|\[Invalid|device (was )?lost/i.test(entry.text());
-    if (entry.type() === "error" || refused) complaints.push(`console: ${entry.text()}`);
-  });
-  page.on("pageerror", (error) => complaints.push(`page error: ${error.message}`));
-  page.on("requestfailed", (request) => complaints.push(`not loaded: ${request.url()}`));
-  page.on("response", (response) => {
-    if (response.status() >= 400) complaints.push(`${response.status()}: ${response.url()}`);
-  });
-  return { page, complaints };
-}
-
-const readState = (page) => page.evaluate(() => JSON.parse(window.oculariumState));
-
-/** Waits until the app has been through `count` more publications, so that it has seen all input. */
-async function published(page, count) {
-  const wanted = count + (await page.evaluate(() => window.publications));
-  await page
-    .waitForFunction((number) => window.publications >= number, wanted, { timeout: 1000 * MOTION_LIMIT_S, polling: 100 })
-    .catch(() => {
-      throw new Error(`the app published its state less than ${count} times in ${MOTION_LIMIT_S} s`);
-    });
-}
-
-async function screenshot(page, name) {
-  const bytes = await page.screenshot({ timeout: 60000 });
-  if (name) await writeFile(join(OUT, name), bytes);
-  return pixels.decode(bytes);
-}
+import { becomeTelephone, checkSizes, checkTouch, checkWindows, DENSITIES } from "./sizes.mjs";
 
 // ---- The comparators can fail -------------------------------------------------------------------
 
@@ -162,8 +63,8 @@ async function checkComparators() {
 
 // ---- The app --------------------------------------------------------------------------------------
 
-async function checkStart(page, url) {
-  await check(`first live frame within ${READY_LIMIT_S} s`, async () => {
+async function checkStart(page, url, name = "first live frame") {
+  await check(`${name} within ${READY_LIMIT_S} s`, async () => {
     const start = Date.now();
     await page.goto(url);
     const verdict = await page
@@ -174,11 +75,12 @@ async function checkStart(page, url) {
       )
       .then((handle) => handle.jsonValue())
       .catch(() => "nothing happened");
-    report.first_live_frame_s = (Date.now() - start) / 1000;
+    const passed = (Date.now() - start) / 1000;
+    report.first_live_frame_s ??= passed;
     const message = await page.locator("#message").textContent();
     if (verdict !== "ready") await screenshot(page, "not-ready.png");
     assert.equal(verdict, "ready", `${verdict}, the page says: ${message}`);
-    console.log(`      first live frame after ${report.first_live_frame_s.toFixed(1)} s`);
+    console.log(`      first live frame after ${passed.toFixed(1)} s`);
   });
 }
 
@@ -195,8 +97,6 @@ async function checkState(page) {
     assert(runs, `time_s stays at ${before.time_s}`);
   });
 }
-
-const PANELS = ["eye", "view"];
 
 /** A screenshot, saved under `name` and cut into the panels. */
 async function cropPanels(page, name) {
@@ -282,6 +182,20 @@ async function checkSentence(browser, url, { name, setUp, wanted }) {
   });
 }
 
+/** The page in a browser whose screen has so many pixels a point. */
+async function checkDensity(url, { ratio, sizes, touch }) {
+  const [[width, height]] = sizes;
+  const flags = [`--force-device-scale-factor=${ratio}`, `--window-size=${width},${height}`];
+  const browser = await launch([...SOFTWARE_WEBGPU, ...flags]);
+  const { page, complaints } = await openPage(browser, { viewport: null });
+  if (touch) await becomeTelephone(page);
+  await checkStart(page, `${url}#v=1&patient=healthy-blue&scene=chart`, `first live frame at ${ratio} pixels a point`);
+  if (touch && tally.failed === 0) await checkTouch(page);
+  if (tally.failed === 0) await checkWindows(page, ratio, sizes);
+  await check(`nothing is reported in the console at ${ratio} pixels a point`, () => assert.deepEqual(complaints, []));
+  await browser.close();
+}
+
 async function main() {
   await mkdir(OUT, { recursive: true });
   await readFile(join(DIST, "index.html")).catch(() => {
@@ -292,15 +206,23 @@ async function main() {
   const { server, url } = await serve(DIST, { base: "/any/sub-path/" });
   const browser = await launch(SOFTWARE_WEBGPU);
   report.browser = browser.version();
-  const { page, complaints } = await openPage(browser);
+  const { page, complaints } = await openPage(browser, { permissions: ["clipboard-read", "clipboard-write"] });
+  await page.addInitScript(SLEEPER);
+  await page.addInitScript(DEVICES);
   await checkStart(page, url);
-  if (failed === 0) {
+  if (tally.failed === 0) {
     await checkState(page);
     await checkPictures(page);
     await checkControls(page);
+    await checkOwn(page);
+    await checkSizes(page);
+    await checkHiding(page);
+    await checkDeviceLoss(page, complaints);
   }
   await check("nothing is reported in the console", () => assert.deepEqual(complaints, []));
-  await page.close();
+  await page.context().close();
+
+  for (const density of DENSITIES) await checkDensity(url, density);
 
   await checkSentence(browser, url, {
     name: "a browser without WebGPU gets a sentence",
@@ -325,9 +247,9 @@ async function main() {
 try {
   await main();
 } catch (error) {
-  failed += 1;
+  tally.failed += 1;
   console.log(`FAIL  ${error.message}`);
 }
-await writeFile(join(OUT, "report.json"), `${JSON.stringify({ ...report, passed, failed }, null, 2)}\n`).catch(() => {});
-console.log(`${passed} passed, ${failed} failed`);
-process.exit(failed === 0 ? 0 : 1);
+await writeFile(join(OUT, "report.json"), `${JSON.stringify({ ...report, ...tally }, null, 2)}\n`).catch(() => {});
+console.log(`${tally.passed} passed, ${tally.failed} failed`);
+process.exit(tally.failed === 0 ? 0 : 1);

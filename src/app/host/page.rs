@@ -23,6 +23,9 @@ extern "C" {
     /// Says that the graphics device is lost, and loads the page again.
     #[wasm_bindgen(js_name = deviceLost)]
     pub fn device_lost(reason: &str);
+    /// Does the machine have no keyboard but one on its screen?
+    #[wasm_bindgen(js_name = isTelephone)]
+    pub fn is_telephone() -> bool;
     /// Is the screen meant for fingers?
     #[wasm_bindgen(js_name = isTouch)]
     pub fn is_touch() -> bool;

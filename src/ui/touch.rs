@@ -1,0 +1,119 @@
+//! Fingers: taps that are shorter than a frame, and the keyboard of a telephone.
+
+use bevy::prelude::*;
+use bevy::window::RequestRedraw;
+use bevy_egui::{EguiInput, egui};
+
+/// A tap that begins and ends between two frames would never be over a button, as the pointer is gone
+/// when egui looks: it goes a frame later.
+pub(super) fn keep_short_taps(
+    mut inputs: Query<&mut EguiInput>,
+    mut redraw: MessageWriter<RequestRedraw>,
+    mut held_back: Local<bool>,
+) {
+    for mut input in &mut inputs {
+        if std::mem::take(&mut *held_back) {
+            input.events.insert(0, egui::Event::PointerGone);
+        }
+        *held_back = hold_back_leave(&mut input.events);
+        if *held_back {
+            redraw.write(RequestRedraw);
+        }
+    }
+}
+
+/// Takes the pointer's leaving out of events in which it was also pressed; says whether it was there.
+fn hold_back_leave(events: &mut Vec<egui::Event>) -> bool {
+    let is_press =
+        |event: &egui::Event| matches!(event, egui::Event::PointerButton { pressed: true, .. });
+    let ends_with_leave = matches!(events.last(), Some(egui::Event::PointerGone));
+    if !ends_with_leave || !events.iter().any(is_press) {
+        return false;
+    }
+    events.pop();
+    true
+}
+
+/// Brings up a telephone's keyboard when a field is touched, and puts it away when it is left.
+pub(super) fn raise_keyboard(field: &egui::Response) {
+    #[cfg(target_arch = "wasm32")]
+    if crate::app::host::is_telephone() {
+        if field.gained_focus() {
+            bevy_egui::text_agent::update_text_agent(true);
+        } else if field.lost_focus() {
+            bevy_egui::text_agent::update_text_agent(false);
+        }
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    let _ = field;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn button(pressed: bool) -> egui::Event {
+        egui::Event::PointerButton {
+            pos: egui::Pos2::ZERO,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        }
+    }
+
+    #[test]
+    fn only_a_tap_within_one_frame_is_held() {
+        let mut tap = vec![button(true), button(false), egui::Event::PointerGone];
+        assert!(hold_back_leave(&mut tap));
+        assert_eq!(tap.len(), 2);
+        let mut end_of_drag = vec![button(false), egui::Event::PointerGone];
+        assert!(!hold_back_leave(&mut end_of_drag));
+        assert_eq!(end_of_drag.len(), 2);
+        let mut two_taps = vec![egui::Event::PointerGone, button(true)];
+        assert!(!hold_back_leave(&mut two_taps));
+        assert!(!hold_back_leave(&mut Vec::new()));
+    }
+
+    #[test]
+    fn a_tap_presses_a_button_at_any_frame_rate() {
+        let mut app = App::new();
+        app.add_message::<RequestRedraw>()
+            .add_systems(Update, keep_short_taps);
+        let entity = app.world_mut().spawn(EguiInput::default()).id();
+        let context = egui::Context::default();
+        let at = egui::pos2(20.0, 12.0);
+        let mut clicks = 0;
+        let mut frame = |events: Vec<egui::Event>| {
+            app.world_mut().get_mut::<EguiInput>(entity).unwrap().events = events;
+            app.update();
+            let mut input = app.world_mut().get_mut::<EguiInput>(entity).unwrap();
+            let input = std::mem::take(&mut input.0);
+            let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(100.0, 60.0));
+            let mut ui_frame = |ui: &mut egui::Ui| {
+                let place = egui::Rect::from_min_size(egui::pos2(2.0, 2.0), egui::vec2(60.0, 40.0));
+                clicks += i32::from(ui.put(place, egui::Button::new("press")).clicked());
+            };
+            let input = egui::RawInput {
+                screen_rect: Some(screen),
+                ..input
+            };
+            let _ = context.run_ui(input, &mut ui_frame);
+        };
+        let tap = || {
+            let mut down_and_up = vec![egui::Event::PointerMoved(at), button(true), button(false)];
+            for event in &mut down_and_up {
+                if let egui::Event::PointerButton { pos, .. } = event {
+                    *pos = at;
+                }
+            }
+            down_and_up.push(egui::Event::PointerGone);
+            down_and_up
+        };
+        frame(Vec::new());
+        frame(tap());
+        frame(Vec::new());
+        frame(tap());
+        frame(Vec::new());
+        assert_eq!(clicks, 2);
+    }
+}

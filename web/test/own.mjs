@@ -1,0 +1,156 @@
+// A visitor's own files, the link, and what can be taken away: nothing leaves the browser.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { fileURLToPath } from "node:url";
+import { check, MOTION_LIMIT_S, published, readState, screenshot, until, VIEWPORT } from "./harness.mjs";
+import * as pixels from "./pixels.mjs";
+
+const PAGE_PNG = fileURLToPath(new URL("../../tests/data/page.png", import.meta.url));
+const ANN = '(name: "Ann", description: "Made for a test.", age_years: 44, sphere_d: -2.5, iris_color: Green)';
+
+const fragment = (page) => page.evaluate(() => location.hash);
+
+/** Waits until the published state is as wanted. */
+async function becomes(page, what, wanted) {
+  const met = await until(MOTION_LIMIT_S, async () => wanted(await readState(page)));
+  if (!met) {
+    const { patient, scene, seed, sphere_d: sphere, message } = await readState(page);
+    assert.fail(`${what}: ${JSON.stringify({ patient, scene, seed, sphere, message })}, link ${await fragment(page)}`);
+  }
+}
+
+const middle = ([x, y, w, h]) => [x + w / 2, y + h / 2];
+
+async function press(page, name) {
+  const { places } = await readState(page);
+  assert(places[name], `there is no control ${name} among ${Object.keys(places)}`);
+  await page.mouse.click(...middle(places[name]));
+}
+
+/** Drops files on the page, as `[name, base64]`. */
+const drop = (page, files) =>
+  page.evaluate(async (list) => {
+    const data = new DataTransfer();
+    for (const [name, base64] of list) {
+      const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+      data.items.add(new File([bytes], name));
+    }
+    const event = (type) => new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true });
+    const target = document.getElementById("ocularium");
+    target.dispatchEvent(event("dragenter"));
+    window.dropShown = getComputedStyle(document.getElementById("drop")).display;
+    target.dispatchEvent(event("drop"));
+  }, files);
+
+async function checkLink(page) {
+  await check("the link says what is shown", async () => {
+    const written = await until(10, async () => (await fragment(page)).includes("patient="));
+    assert(written, `the link is ${await fragment(page)}`);
+    assert.match(await fragment(page), /^#v=1&patient=healthy-brown&scene=room&seed=1/);
+  });
+  await check("a link that is put in its place is obeyed without loading the page again", async () => {
+    const publications = await page.evaluate(() => window.publications);
+    await page.evaluate(() => {
+      location.hash = "v=1&patient=myope-3d&sphere_d=-5&scene=chart&seed=18446744073709551615&orbit=30,-5,120";
+    });
+    await becomes(page, "the link's state", (s) => s.patient === "Myope, -3 D" && s.sphere_d === -5 && s.scene === "chart");
+    const state = await readState(page);
+    assert.equal(state.seed, "18446744073709551615");
+    assert.deepEqual(state.orbit, [30, -5, 120]);
+    assert((await page.evaluate(() => window.publications)) > publications, "the page was loaded again");
+  });
+  await check("what a link asks for in vain is said, and the rest is shown", async () => {
+    await page.evaluate(() => {
+      location.hash = "v=1&patient=nobody&scene=room&seed=3";
+    });
+    await becomes(page, "a sentence about the patient", (s) => /"nobody".*healthy-brown/.test(s.message ?? ""));
+    await becomes(page, "the rest of it", (s) => s.scene === "room" && s.seed === "3");
+    const rewritten = await until(10, async () => /patient=healthy-brown/.test(await fragment(page)));
+    assert(rewritten, `the link stays ${await fragment(page)}`);
+  });
+  await check("a change is written into the link within seconds", async () => {
+    await page.keyboard.press("m");
+    const written = await until(20, async () => (await fragment(page)).includes("marker=on"));
+    assert(written, `the link is ${await fragment(page)}`);
+    await page.keyboard.press("m");
+  });
+}
+
+async function checkFiles(page) {
+  await check("a patient file is opened by the button", async () => {
+    const chooser = page.waitForEvent("filechooser", { timeout: 20000 });
+    await press(page, "open");
+    await (await chooser).setFiles([{ name: "ann.ron", mimeType: "text/plain", buffer: Buffer.from(ANN) }]);
+    await becomes(page, "Ann", (s) => s.patient === "Ann" && s.sphere_d === -2.5);
+    const written = await until(10, async () => /name=Ann.*|sphere_d=-2\.5/.test(await fragment(page)));
+    assert(written, `the link is ${await fragment(page)}`);
+  });
+  await check("a photograph is shown when it is dropped", async () => {
+    const photo = (await readFile(PAGE_PNG)).toString("base64");
+    await drop(page, [["page.png", photo]]);
+    assert.equal(await page.evaluate(() => window.dropShown), "grid", "the page does not say where to drop");
+    await becomes(page, "the photograph", (s) => s.scene === "page.png");
+    const bright = await until(MOTION_LIMIT_S, async () => {
+      const { panels } = await readState(page);
+      return pixels.brightness(pixels.crop(await screenshot(page, "own-photograph.png"), panels.view)).mean > 150;
+    });
+    assert(bright, "the view is not that of a white page");
+  });
+  await check("a model is shown with the buffer that is dropped beside it", async () => {
+    const corners = Buffer.from(new Float32Array([-1, -1, -2, 1, -1, -2, 0, 1, -2]).buffer).toString("base64");
+    const model = {
+      asset: { version: "2.0" },
+      scenes: [{ nodes: [0] }],
+      nodes: [{ mesh: 0 }],
+      meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+      buffers: [{ byteLength: 36, uri: "tri.bin" }],
+      bufferViews: [{ buffer: 0, byteLength: 36 }],
+      accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [-1, -1, -2], max: [1, 1, -2] }],
+    };
+    const text = Buffer.from(JSON.stringify(model)).toString("base64");
+    await drop(page, [["tri.gltf", text]]);
+    await becomes(page, "a sentence about the buffer", (s) => /tri\.bin.*together/.test(s.message ?? ""));
+    await drop(page, [["tri.bin", corners], ["tri.gltf", text]]);
+    await becomes(page, "the model", (s) => s.scene === "tri.gltf");
+  });
+  await check("a file that is nothing of these gets a sentence, and nothing is lost", async () => {
+    await drop(page, [["notes.bin", Buffer.from([0, 159, 1, 2]).toString("base64")]]);
+    await becomes(page, "a sentence", (s) => /notes\.bin.*neither a picture/.test(s.message ?? ""));
+    assert.equal((await readState(page)).scene, "tri.gltf");
+  });
+}
+
+async function checkTakingAway(page) {
+  await check("what is seen is saved as PNG", async () => {
+    const download = page.waitForEvent("download", { timeout: 60000 });
+    await press(page, "save both");
+    const file = await download;
+    assert.equal(file.suggestedFilename(), "ocularium.png");
+    const image = pixels.decode(await readFile(await file.path()));
+    const { panels } = await readState(page);
+    assert.equal(image.width, Math.round(panels.eye[2]) + Math.round(panels.view[2]));
+    assert.equal(image.height, Math.round(panels.eye[3]));
+    // The left half is the eye that is on the screen: no other picture has its brightness and contrast.
+    const eye = pixels.crop(image, [0, 0, Math.round(panels.eye[2]), image.height]);
+    assert(pixels.isLitPicture(eye), "the eye is dark or uniform");
+  });
+  await check("the link is copied", async () => {
+    await press(page, "copy");
+    await becomes(page, "a word about it", (s) => /copied/.test(s.notice ?? ""));
+    const copied = await page.evaluate(() => navigator.clipboard.readText());
+    assert.match(copied, /^http:\/\/[^#]*#v=1&patient=/);
+  });
+}
+
+export async function checkOwn(page) {
+  const requests = [];
+  page.on("request", (request) => {
+    if (!request.url().startsWith("blob:")) requests.push(request.url());
+  });
+  await page.setViewportSize(VIEWPORT);
+  await published(page, 2);
+  await checkLink(page);
+  await checkFiles(page);
+  await checkTakingAway(page);
+  await check("nothing was sent anywhere", () => assert.deepEqual(requests, []));
+}
