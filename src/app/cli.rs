@@ -277,6 +277,7 @@ fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
         Some(Command::Render(arguments)) => return render_command(&cli.shown, &arguments),
         Some(Command::Features(arguments)) => features(&arguments)?,
         Some(Command::Bench(arguments)) => {
+            ctrlc::set_handler(crate::lab::bench::interrupt)?;
             crate::lab::bench::run(&arguments.out, arguments.quick)?;
         }
         Some(Command::Measure(arguments)) => measure_command(&cli.shown, &arguments)?,

@@ -29,9 +29,10 @@ use bevy::math::UVec2;
 use bevy::prelude::Msaa;
 use plotters::prelude::*;
 use serde::Serialize;
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Environment variable of the process that measures the approximations: the file for its tasks.
 const TASKS_FILE: &str = "OCULARIUM_BENCH_TASKS";
@@ -200,25 +201,77 @@ fn approximate(file: &Path, quick: bool) -> Result<(), BenchError> {
     Ok(write_whole(file, &json(file, &tasks)?)?)
 }
 
+/// What an interruption has to clear away, or to wait for.
+#[derive(Default)]
+struct Underway {
+    /// The process that measures the approximations, and its file.
+    apart: Option<(Child, PathBuf)>,
+    /// Files are being written: it is over in a moment.
+    writing: bool,
+}
+
+static UNDERWAY: Mutex<Underway> = Mutex::new(Underway {
+    apart: None,
+    writing: false,
+});
+
+fn underway() -> MutexGuard<'static, Underway> {
+    UNDERWAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends a bench that the user interrupts: nothing is kept. To be called from another thread than
+/// [`run`]'s; does nothing while the files are being written.
+pub fn interrupt() {
+    // The process apart is interrupted too, and its parent speaks for both.
+    if std::env::var_os(TASKS_FILE).is_some() {
+        std::process::exit(130);
+    }
+    let mut underway = underway();
+    if underway.writing {
+        return;
+    }
+    if let Some((mut child, file)) = underway.apart.take() {
+        // It may have ended by itself, and its file may not be there yet.
+        let _ = child.kill();
+        let _ = child.wait();
+        let _ = std::fs::remove_file(file);
+    }
+    eprintln!("ocularium: interrupted; a bench is kept whole or not at all, so nothing was kept");
+    std::process::exit(130);
+}
+
 /// [`approximate`] in a process of its own.
 fn approximate_apart(out: &Path, quick: bool) -> Result<Vec<Task>, BenchError> {
     let apart = |error: &dyn core::fmt::Display| BenchError::Apart(error.to_string());
-    let file = out.join("errors.json");
+    let file = out.join(".ocularium-errors.json");
     let program = std::env::current_exe().map_err(|error| apart(&error))?;
     let mut command = Command::new(program);
     command.args(["bench", "--out"]).arg(out);
     if quick {
         command.arg("--quick");
     }
-    let status = command
+    let child = command
         .env(TASKS_FILE, &file)
         .stdin(Stdio::null())
-        .status()
+        .spawn()
         .map_err(|error| apart(&error))?;
+    underway().apart = Some((child, file.clone()));
+    let status = loop {
+        // The lock is let go of between looks, so that an interruption finds the child.
+        match underway().apart.as_mut().map(|(child, _)| child.try_wait()) {
+            Some(Ok(Some(status))) => break status,
+            Some(Ok(None)) => {}
+            Some(Err(error)) => return Err(apart(&error)),
+            None => return Err(apart(&"it was interrupted")),
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    underway().apart = None;
     if !status.success() {
         return Err(apart(&status));
     }
     let text = std::fs::read(&file).map_err(|error| apart(&error))?;
+    std::fs::remove_file(&file).map_err(|error| apart(&error))?;
     serde_json::from_slice(&text).map_err(|error| apart(&error))
 }
 
@@ -306,7 +359,10 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
         core_tables: tables_at_run_time(),
         errors,
     };
-    write_files(out, &summary)?;
+    underway().writing = true;
+    let written = write_files(out, &summary);
+    underway().writing = false;
+    written?;
     eprintln!(
         "frames.csv, field.csv, errors.csv, errors.md, summary.json, frames.svg and {} plots of error \
          against time in {}",
@@ -350,6 +406,8 @@ fn write_files(out: &Path, summary: &Summary) -> Result<(), BenchError> {
         &out.join("errors.csv"),
         joint_csv(&summary.errors).as_bytes(),
     )?;
+    let path = out.join("errors.json");
+    write_whole(&path, &json(&path, &summary.errors)?)?;
     write_whole(&out.join("errors.md"), report(&summary.errors).as_bytes())?;
     for task in &summary.errors {
         let name = |ending: &str| out.join(format!("errors-{}.{ending}", task.name));

@@ -260,3 +260,26 @@ fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
         fs::remove_dir_all(&out).expect("removed");
     }
 }
+
+#[test]
+fn an_interrupted_bench_keeps_nothing_and_says_so() {
+    let _alone = alone();
+    let files = Files::new();
+    let out = files.name("bench");
+    let running = program(&["bench", "--quick", "--out", &out])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    while !files.path("bench").exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_secs(2));
+    let sent = std::process::Command::new("kill")
+        .args(["-TERM", &running.id().to_string()])
+        .status();
+    assert!(sent.expect("kill").success());
+    let output = running.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130));
+    assert!(text(&output.stderr).contains("nothing was kept"));
+    assert_eq!(fs::read_dir(&out).expect("the folder").count(), 0);
+}
