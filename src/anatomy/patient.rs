@@ -468,24 +468,25 @@ fn sentence(code: &ron::error::Error) -> String {
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Loads a built-in patient by name, or a patient file by path.
-pub fn load_patient(name_or_path: &str) -> Result<PatientFile, PatientError> {
-    if let Some(preset) = super::preset(name_or_path) {
+pub fn load_patient(name_or_path: impl AsRef<Path>) -> Result<PatientFile, PatientError> {
+    let path = name_or_path.as_ref();
+    if let Some(preset) = path.to_str().and_then(super::preset) {
         return parse_patient(preset.text, preset.name);
     }
-    let path = Path::new(name_or_path);
+    let shown = path.display().to_string();
     if path.exists() || path.extension().is_some_and(|extension| extension == "ron") {
         let unreadable = |reason: String| PatientError::Unreadable {
-            file: name_or_path.into(),
+            file: shown.clone(),
             reason,
         };
         let bytes =
             read_input_file(path, MAX_FILE_BYTES).map_err(|error| unreadable(error.to_string()))?;
         let text = String::from_utf8(bytes)
             .map_err(|_| unreadable("it is not UTF-8 text, so not a patient file".into()))?;
-        return parse_patient(&text, name_or_path);
+        return parse_patient(&text, &shown);
     }
     Err(PatientError::Unknown {
-        name: name_or_path.into(),
+        name: shown,
         known: super::PRESETS
             .iter()
             .map(|preset| preset.name)

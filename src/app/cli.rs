@@ -47,11 +47,11 @@ struct Cli {
 struct Shown {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
     #[arg(long, global = true, default_value = "healthy-brown", value_name = "P")]
-    patient: String,
+    patient: PathBuf,
     /// A built-in scene (`ocularium scenes`), a glTF or GLB file, or a photograph (PNG, JPEG, WebP,
     /// GIF, TIFF, BMP).
     #[arg(long, global = true, default_value = "room", value_name = "S")]
-    scene: String,
+    scene: PathBuf,
     /// Distance of a photograph without a depth image: 0.4m, 40cm, 400mm, inf; 3m without it.
     #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_at)]
     at: Option<f32>,
@@ -107,7 +107,7 @@ enum Command {
     /// Says whether a patient file is sound.
     Check {
         /// The patient file (RON).
-        file: String,
+        file: PathBuf,
     },
 }
 
@@ -305,8 +305,10 @@ fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
             say(
                 &mut std::io::stdout().lock(),
                 &format!(
-                    "{file} is sound: {}, {} years.",
-                    patient.name, patient.age_years
+                    "{} is sound: {}, {} years.",
+                    file.display(),
+                    patient.name,
+                    patient.age_years
                 ),
             )?;
         }
@@ -334,7 +336,7 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
         )
         .into());
     }
-    if !matches!(source, SceneSource::Model(_)) && shown.scene_unit.is_some() {
+    if !matches!(source, SceneSource::Model { .. }) && shown.scene_unit.is_some() {
         return Err(format!(
             "--scene-unit is the unit of a glTF file, and the scene {:?} is none",
             shown.scene

@@ -3,7 +3,7 @@
 //! Enters: a built-in scene's name or a file's path, and perhaps a depth image. Leaves: a
 //! [`LoadedScene`], or the sentence that says what is wrong.
 
-use super::gltf_file::load_gltf;
+use super::gltf_file::{Beside, load_gltf_among};
 use super::model::{SceneError, SceneModel};
 use super::photo::{PhotoOptions, PhotoScene, load_photo, read_file};
 use super::picture_file::{READABLE, foreign_format};
@@ -69,8 +69,9 @@ pub enum FileKind {
 
 impl FileKind {
     /// Judges a file by its bytes and, where they say nothing, by its name's extension.
-    pub fn of(name: &str, bytes: &[u8]) -> Option<Self> {
-        let extension = Path::new(name)
+    pub fn of(name: impl AsRef<Path>, bytes: &[u8]) -> Option<Self> {
+        let extension = name
+            .as_ref()
             .extension()
             .map(|extension| extension.to_string_lossy().to_lowercase());
         let extension = extension.as_deref().unwrap_or("");
@@ -93,11 +94,18 @@ pub enum SceneSource {
     /// The program itself.
     BuiltIn(BuiltIn),
     /// A glTF file.
-    Model(PathBuf),
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// What is in it.
+        bytes: Vec<u8>,
+    },
     /// A photograph, perhaps with a depth image.
     Photo {
         /// The photograph.
         path: PathBuf,
+        /// What is in it.
+        bytes: Vec<u8>,
         /// Its depth image.
         depth: Option<PathBuf>,
     },
@@ -133,46 +141,46 @@ impl LoadedScene {
 impl SceneSource {
     /// Decides what is meant: a built-in name wins; else the file's first bytes decide, so that a
     /// wrong extension does no harm.
-    pub fn parse(name_or_path: &str, depth: Option<&Path>) -> Result<Self, SceneError> {
+    pub fn parse(name_or_path: impl AsRef<Path>, depth: Option<&Path>) -> Result<Self, SceneError> {
+        let path = name_or_path.as_ref();
+        let shown = path.display().to_string();
         let refuse_depth = |kind: &str| match depth {
             Some(_) => Err(SceneError::Content {
-                source_name: name_or_path.into(),
+                source_name: shown.clone(),
                 reason: format!("a depth image goes with a photograph, not with {kind}"),
             }),
             None => Ok(()),
         };
         if let Some(scene) = BuiltIn::ALL
             .into_iter()
-            .find(|scene| scene.name() == name_or_path)
+            .find(|scene| path.as_os_str() == scene.name())
         {
             refuse_depth("a built-in scene")?;
             return Ok(Self::BuiltIn(scene));
         }
-        let path = Path::new(name_or_path);
-        let extension = path
-            .extension()
-            .and_then(|e| e.to_str())
-            .unwrap_or("")
-            .to_lowercase();
-        if !path.exists() && extension.is_empty() && path.components().count() <= 1 {
+        if !path.exists() && path.extension().is_none() && path.components().count() <= 1 {
             let known: Vec<&str> = BuiltIn::ALL.into_iter().map(BuiltIn::name).collect();
             return Err(SceneError::Unknown {
-                name: name_or_path.into(),
+                name: shown,
                 known: known.join(", "),
             });
         }
         let bytes = read_file(path)?;
-        match FileKind::of(name_or_path, &bytes) {
+        match FileKind::of(path, &bytes) {
             Some(FileKind::Model) => {
                 refuse_depth("a glTF file")?;
-                Ok(Self::Model(path.into()))
+                Ok(Self::Model {
+                    path: path.into(),
+                    bytes,
+                })
             }
             Some(FileKind::Picture) => Ok(Self::Photo {
                 path: path.into(),
+                bytes,
                 depth: depth.map(Into::into),
             }),
             None => Err(SceneError::Malformed {
-                source_name: name_or_path.into(),
+                source_name: shown,
                 kind: "scene",
                 reason: format!("it is neither glTF (.gltf, .glb) nor a {READABLE}"),
             }),
@@ -187,16 +195,24 @@ impl SceneSource {
     ) -> Result<LoadedScene, SceneError> {
         match self {
             Self::BuiltIn(scene) => Ok(LoadedScene::Model(Box::new(scene.build()?))),
-            Self::Model(path) => Ok(LoadedScene::Model(Box::new(load_gltf(path, unit_m)?))),
-            Self::Photo { path, depth } => {
-                let photo = load_photo(path, depth.as_deref(), options)?;
+            Self::Model { path, bytes } => {
+                let folder = path.parent().unwrap_or(Path::new("."));
+                let name = path.display().to_string();
+                let model = load_gltf_among(bytes, &name, Beside::Folder(folder), unit_m)?;
+                Ok(LoadedScene::Model(Box::new(model)))
+            }
+            Self::Photo { path, bytes, depth } => {
+                let photo = load_photo(bytes, path, depth.as_deref(), options)?;
                 Ok(LoadedScene::Photo(Box::new(photo)))
             }
         }
     }
 
     /// [`SceneSource::parse`], then [`SceneSource::load`] with default [`PhotoOptions`].
-    pub fn resolve(name_or_path: &str, depth: Option<&Path>) -> Result<LoadedScene, SceneError> {
+    pub fn resolve(
+        name_or_path: impl AsRef<Path>,
+        depth: Option<&Path>,
+    ) -> Result<LoadedScene, SceneError> {
         Self::parse(name_or_path, depth)?.load(&PhotoOptions::default(), None)
     }
 }
@@ -238,13 +254,13 @@ mod tests {
         image::RgbImage::from_pixel(32, 32, image::Rgb([1, 2, 3]))
             .save_with_format(&photo, image::ImageFormat::Png)
             .unwrap();
-        let loaded = SceneSource::resolve(&photo.display().to_string(), Some(&photo)).unwrap_err();
+        let loaded = SceneSource::resolve(photo.display().to_string(), Some(&photo)).unwrap_err();
         assert!(
             loaded.to_string().contains("in colour"),
             "the photo itself is no depth image"
         );
         assert!(matches!(
-            SceneSource::resolve(&photo.display().to_string(), None),
+            SceneSource::resolve(photo.display().to_string(), None),
             Ok(LoadedScene::Photo(_))
         ));
         let text = write("notes.txt", b"hello");
@@ -269,7 +285,7 @@ mod tests {
                 .contains("is empty")
         );
         let folder_error =
-            SceneSource::resolve(&folder.path().display().to_string(), None).unwrap_err();
+            SceneSource::resolve(folder.path().display().to_string(), None).unwrap_err();
         assert!(
             folder_error.to_string().contains("cannot be read"),
             "{folder_error}"

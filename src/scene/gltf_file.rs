@@ -10,14 +10,13 @@
 //! panic or a read beyond its data.
 
 use super::model::{EyePlacement, SceneError, SceneLight, SceneMesh, SceneModel};
-use super::photo::{one_clause, read_file};
+use super::photo::one_clause;
 use super::trace::Tracer;
 use glam::{Mat3, Mat4, Vec3};
 use gltf::accessor::Dimensions;
 use gltf::{Accessor, Document, Primitive, Semantic, buffer, mesh::Mode};
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
-use std::path::Path;
 
 mod accessors;
 mod beside;
@@ -40,24 +39,8 @@ pub const EMISSION_CD_M2: f32 = 150.0;
 const MAX_NODES: usize = 1_000_000;
 const MAX_NODE_DEPTH: usize = 256;
 
-/// Loads a `.gltf` or `.glb` file and the buffers and images beside it; `unit_m` metres are one unit
-/// of the file (`None`: one, as the specification says, and a scene of odd size is remarked on).
-pub fn load_gltf(path: &Path, unit_m: Option<f32>) -> Result<SceneModel, SceneError> {
-    let bytes = read_file(path)?;
-    load(
-        &bytes,
-        &path.display().to_string(),
-        Beside::Folder(path.parent().unwrap_or(Path::new("."))),
-        unit_m,
-    )
-}
-
-/// Loads a self-contained file from memory.
-pub fn load_gltf_bytes(bytes: &[u8], source_name: &str) -> Result<SceneModel, SceneError> {
-    load_gltf_among(bytes, source_name, Beside::Files(&[]), None)
-}
-
-/// Loads a file from memory, and what it names from `beside`; `unit_m` as for [`load_gltf`].
+/// Loads a `.gltf` or `.glb` file from memory, and what it names from `beside`; `unit_m` metres are one
+/// unit of the file (`None`: one, as the specification says, and a scene of odd size is remarked on).
 pub fn load_gltf_among(
     bytes: &[u8],
     source_name: &str,

@@ -140,13 +140,13 @@ pub fn read_named_file(path: &Path, kind: &'static str) -> Result<Vec<u8>, Scene
     Ok(bytes)
 }
 
-/// Loads a photograph and, where given, its depth image.
+/// Loads a photograph from its bytes and, where given, its depth image from a file.
 pub fn load_photo(
+    photo: &[u8],
     path: &Path,
     depth: Option<&Path>,
     options: &PhotoOptions,
 ) -> Result<PhotoScene, SceneError> {
-    let photo = read_file(path)?;
     let depth_file = depth
         .map(|depth| read_named_file(depth, "depth image"))
         .transpose()?;
@@ -154,7 +154,7 @@ pub fn load_photo(
     let depth = depth_file
         .as_deref()
         .map(|bytes| (bytes, depth_name.as_str()));
-    load_photo_bytes(&photo, &path.display().to_string(), depth, options)
+    load_photo_bytes(photo, &path.display().to_string(), depth, options)
 }
 
 /// Loads a photograph from memory; `depth` is the depth file's bytes and name.
@@ -297,7 +297,7 @@ mod tests {
                 "{message}"
             );
         }
-        let missing = load_photo(Path::new("/no/such.png"), None, &PhotoOptions::default());
+        let missing = read_file(Path::new("/no/such.png"));
         assert_eq!(
             missing.unwrap_err().to_string(),
             "The scene file \"/no/such.png\" does not exist."

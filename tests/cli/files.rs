@@ -283,3 +283,55 @@ fn an_interrupted_bench_keeps_nothing_and_says_so() {
     assert!(text(&output.stderr).contains("nothing was kept"));
     assert_eq!(fs::read_dir(&out).expect("the folder").count(), 0);
 }
+
+/// A name that is not UTF-8 is a name all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn paths_need_not_be_utf_8() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let _alone = alone();
+    let files = Files::new();
+    let odd = |name: &[u8]| files.path("x").with_file_name(OsStr::from_bytes(name));
+    let (patient, scene) = (odd(b"ann\xff.ron"), odd(b"page\xe9.png"));
+    fs::write(&patient, "(name: \"Ann\")").expect("written");
+    fs::copy(data("page.png"), &scene).expect("copied");
+    let out = odd(b"out\xfe");
+    let run = |arguments: &[&OsStr]| {
+        let mut command = program(&[]);
+        let output = command.args(arguments).output().expect("it starts");
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let plain = OsStr::new;
+    assert!(run(&[plain("check"), patient.as_os_str()]).contains("is sound: Ann"));
+    let features = [
+        plain("features"),
+        scene.as_os_str(),
+        plain("--threshold"),
+        plain("200"),
+    ];
+    assert!(run(&features).starts_with("x,y,score"));
+    run(&[
+        plain("render"),
+        plain("--patient"),
+        patient.as_os_str(),
+        plain("--scene"),
+        scene.as_os_str(),
+        plain("--panel"),
+        plain("view"),
+        plain("--size"),
+        plain("32x32"),
+        plain("--seconds"),
+        plain("0.1"),
+        plain("--out"),
+        out.as_os_str(),
+    ]);
+    assert!(out.join("report.json").is_file());
+    let error = program(&["check"])
+        .arg(odd(b"no\xff.ron"))
+        .output()
+        .expect("it starts");
+    assert_eq!(error.status.code(), Some(1));
+    assert!(text(&error.stderr).contains("cannot read patient file"));
+}

@@ -8,6 +8,7 @@ use crate::ui::session_of;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use std::error::Error;
+use std::ffi::OsString;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
@@ -32,7 +33,7 @@ pub(super) fn open(
             eprintln!(
                 "ocularium: the graphics device was lost ({reason}); the window opens again with what it showed"
             );
-            let arguments: Vec<String> = std::env::args().skip(1).collect();
+            let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
             // A window cannot be opened twice in one process.
             let status = Command::new(std::env::current_exe()?)
                 .args(again(&arguments, &link))
@@ -78,33 +79,24 @@ fn requested(
     Ok((wanted, start))
 }
 
-/// The same arguments with another link.
-fn again(arguments: &[String], link: &str) -> Vec<String> {
-    let mut kept = Vec::new();
+/// The same arguments with another link, which knows patient and seed as they are now.
+fn again(arguments: &[OsString], link: &str) -> Vec<OsString> {
+    let stale = ["--link", "--patient", "--seed"];
+    let mut kept: Vec<OsString> = Vec::new();
     let mut arguments = arguments.iter();
     while let Some(argument) = arguments.next() {
-        if argument == "--link" {
+        let text = argument.to_string_lossy();
+        if stale.contains(&&*text) {
             arguments.next();
-        } else if !argument.starts_with("--link=") {
+        } else if !stale
+            .iter()
+            .any(|name| text.starts_with(&format!("{name}=")))
+        {
             kept.push(argument.clone());
         }
     }
-    // The link knows patient and seed as they are now, which the first ones need not be any more.
-    let stale = ["--patient", "--seed"];
-    let mut fresh = Vec::new();
-    let mut kept = kept.into_iter();
-    while let Some(argument) = kept.next() {
-        if stale.contains(&argument.as_str()) {
-            kept.next();
-        } else if !stale
-            .iter()
-            .any(|name| argument.starts_with(&format!("{name}=")))
-        {
-            fresh.push(argument);
-        }
-    }
-    fresh.extend(["--link".into(), link.into()]);
-    fresh
+    kept.extend(["--link".into(), link.into()]);
+    kept
 }
 
 #[cfg(test)]
@@ -113,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_window_that_opens_again_keeps_the_users_scene_and_takes_the_rest_from_the_link() {
-        let arguments = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let arguments = |text: &str| text.split(' ').map(OsString::from).collect::<Vec<_>>();
         let given =
             arguments("--scene a.glb --patient myope-3d --link=v=1 --scene-unit cm --seed 4");
         assert_eq!(

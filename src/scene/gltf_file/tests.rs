@@ -1,5 +1,18 @@
+use super::super::photo::read_file;
 use super::*;
 use proptest::prelude::*;
+use std::path::Path;
+
+fn load_gltf(path: &Path, unit_m: Option<f32>) -> Result<SceneModel, SceneError> {
+    let bytes = read_file(path)?;
+    let folder = path.parent().expect("a folder");
+    let name = path.display().to_string();
+    load_gltf_among(&bytes, &name, Beside::Folder(folder), unit_m)
+}
+
+fn load_gltf_bytes(bytes: &[u8], name: &str) -> Result<SceneModel, SceneError> {
+    load_gltf_among(bytes, name, Beside::Files(&[]), None)
+}
 
 /// A GLB file from JSON and a binary chunk.
 fn glb(json: &str, blob: &[u8]) -> Vec<u8> {
