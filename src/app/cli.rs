@@ -386,6 +386,7 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
         out: arguments.out.clone(),
     };
     let session = session(shown)?;
+    let told = session.scene.remarks().len();
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // A second Ctrl-C ends the program at once; whole files stay whole either way.
@@ -402,6 +403,9 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
     })?;
     if lively {
         eprintln!();
+    }
+    for remark in report.remarks.iter().skip(told) {
+        eprintln!("ocularium: {remark}");
     }
     Ok(conclude(&report, &arguments.out))
 }

@@ -8,7 +8,7 @@ use crate::app::picture::side_by_side;
 use crate::appearance::EyeOrbit;
 use crate::ledger::Work;
 use crate::motion::trace::{TraceRow, write_trace};
-use crate::percept::ViewOptions;
+use crate::percept::{Percept, ViewOptions};
 use bevy::math::UVec2;
 use image::RgbaImage;
 use serde::Serialize;
@@ -146,7 +146,7 @@ pub fn render(
 ) -> Result<RenderReport, RenderError> {
     prepare_folder(&request.out)?;
     let lock = FolderLock::take(&request.out)?;
-    let remarks = session.scene.remarks().to_vec();
+    let mut remarks = session.scene.remarks().to_vec();
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
@@ -184,12 +184,11 @@ pub fn render(
     write_whole(&request.out.join("trace.csv"), &trace)?;
 
     let state = headless.state();
-    let candidates = headless
-        .world()
-        .resource::<crate::percept::Percept>()
-        .captured()
-        .corners
-        .len();
+    let captured = headless.world().resource::<Percept>().captured();
+    let candidates = captured.corners.len();
+    if shown[1] && captured.is_empty() {
+        remarks.push(nothing_in_view(&scene));
+    }
     let frames = rows.len() as u64;
     let removed_frames = remove_later_frames(&request.out, frames)?;
     let drawn = !times_ms.is_empty();
@@ -222,6 +221,13 @@ pub fn render(
     write_whole(&request.out.join("report.json"), &json)?;
     drop(lock);
     Ok(report)
+}
+
+/// What is said of a view in which nothing is.
+pub fn nothing_in_view(scene: &str) -> String {
+    format!(
+        "Nothing of \"{scene}\" is in the view: its camera, or the eye in its place, looks past it."
+    )
 }
 
 /// Removes frames numbered `frames` and above, which an earlier run left; says how many.

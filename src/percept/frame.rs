@@ -88,6 +88,15 @@ pub struct CaptureResult {
     pub occupied: u32,
 }
 
+impl CaptureResult {
+    /// Is there nothing in the view: no surface at any distance and no corner?
+    pub fn is_empty(&self) -> bool {
+        !self.vergence_d.is_empty()
+            && self.corners.is_empty()
+            && self.vergence_d.iter().all(|vergence_d| *vergence_d == 0.0)
+    }
+}
+
 #[derive(Default)]
 struct Returned {
     result: Mutex<Option<CaptureResult>>,

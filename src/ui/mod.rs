@@ -75,8 +75,10 @@ impl Plugin for UiPlugin {
             )
             .add_systems(
                 Update,
-                state::describe_patient
-                    .run_if(resource_changed::<Session>)
+                (
+                    state::describe_patient.run_if(resource_changed::<Session>),
+                    state::look_for_something,
+                )
                     .after(EyeSystems::Sense),
             )
             .add_systems(

@@ -44,6 +44,8 @@ pub struct UiState {
     pub seed: String,
     /// In which fields a patient with a built-in one's name differs from it.
     pub changes: String,
+    /// Is there nothing of the scene in the view?
+    pub nothing_in_view: bool,
     /// Titles of the built-in patients.
     pub titles: Vec<String>,
     /// What went wrong last, for the user.
@@ -75,6 +77,7 @@ impl Default for UiState {
             held_pupil_mm: None,
             seed: "1".into(),
             changes: String::new(),
+            nothing_in_view: false,
             titles: PRESETS.iter().map(|preset| title(preset.name)).collect(),
             message: None,
             notice: None,
@@ -99,6 +102,19 @@ pub(super) fn describe_patient(session: Res<Session>, mut state: ResMut<UiState>
         .map(|(field, value)| format!("{field} {value}"))
         .collect();
     state.changes = changes.join(", ");
+}
+
+/// Looks whether there is something in the view, whenever it was captured anew.
+pub(super) fn look_for_something(
+    percept: Res<Percept>,
+    mut state: ResMut<UiState>,
+    mut serial: Local<u64>,
+) {
+    let captured = percept.captured();
+    if *serial != captured.serial {
+        *serial = captured.serial;
+        state.nothing_in_view = captured.is_empty();
+    }
 }
 
 /// Everything that the controls read and command.

@@ -335,3 +335,49 @@ fn paths_need_not_be_utf_8() {
     assert_eq!(error.status.code(), Some(1));
     assert!(text(&error.stderr).contains("cannot read patient file"));
 }
+
+#[test]
+fn a_view_without_anything_in_it_is_said() {
+    let _alone = alone();
+    let files = Files::new();
+    let model = |looks: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0,1]}}],
+            "nodes":[{{"mesh":0}},{{"camera":0{looks}}}],
+            "cameras":[{{"type":"perspective","perspective":{{"yfov":0.9,"znear":0.01}}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "buffers":[{{"byteLength":36,"uri":"tri.bin"}}],
+            "bufferViews":[{{"buffer":0,"byteLength":36}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[-1,-1,-2],"max":[1,1,-2]}}]}}"#
+        )
+    };
+    let corners = [-1.0f32, -1.0, -2.0, 1.0, -1.0, -2.0, 0.0, 1.0, -2.0];
+    let corners: Vec<u8> = corners.iter().flat_map(|c| c.to_le_bytes()).collect();
+    fs::write(files.path("tri.bin"), corners).expect("written");
+    // A camera looks along its own −z: at the triangle, or, turned about, away from it.
+    for (name, turned, is_said) in [
+        ("at.gltf", "", false),
+        ("away.gltf", r#","rotation":[0,1,0,0]"#, true),
+    ] {
+        fs::write(files.path(name), model(turned)).expect("written");
+        let (scene, out) = (files.name(name), files.name("out"));
+        let output = run(&[
+            "render",
+            "--scene",
+            &scene,
+            "--panel",
+            "view",
+            "--size",
+            "48x48",
+            "--seconds",
+            "0.1",
+            "--out",
+            &out,
+        ]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report = fs::read_to_string(files.path("out/report.json")).expect("a report");
+        for said in [text(&output.stderr), report] {
+            assert_eq!(said.contains("is in the view"), is_said, "{name}: {said}");
+        }
+    }
+}

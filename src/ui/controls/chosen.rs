@@ -77,6 +77,12 @@ pub fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     for remark in controlled.session.scene.remarks() {
         ui.weak(remark);
     }
+    if controlled.clock.ready && state.nothing_in_view {
+        ui.colored_label(
+            ui.visuals().warn_fg_color,
+            "Nothing of it is in the view: its camera, or the eye in its place, looks past it.",
+        );
+    }
     if let Some(scene) = chosen {
         match scene.build() {
             Ok(model) => {
