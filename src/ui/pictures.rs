@@ -97,7 +97,8 @@ fn paint(ui: &Ui, picture: Option<TextureId>, rectangle: Rect) {
 }
 
 fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rectangle: Rect) {
-    let response = ui.interact(rectangle, "eye".into(), Sense::click_and_drag());
+    // A drag only: where a click may be meant too, a finger that rests before it moves is no drag.
+    let response = ui.interact(rectangle, "eye".into(), Sense::drag());
     paint(ui, picture, rectangle);
     let mut orbit = *controlled.orbit;
     // Two fingers pinch; where they go together is not a drag of one.
@@ -116,7 +117,12 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
         let (scroll, zoom) = ui.input(|input| (input.smooth_scroll_delta.y, input.zoom_delta()));
         orbit.distance_mm *= (-scroll * 0.002).exp() / zoom.clamp(0.5, 2.0);
     }
-    if response.double_clicked() {
+    let is_double_click = ui.input(|input| {
+        input
+            .pointer
+            .button_double_clicked(egui::PointerButton::Primary)
+    });
+    if is_double_click && response.contains_pointer() {
         orbit = EyeOrbit::default();
     }
     let orbit = orbit.clamped();
@@ -220,7 +226,7 @@ fn view(
     picture: Option<TextureId>,
     rectangle: Rect,
 ) {
-    let response = ui.interact(rectangle, "view".into(), Sense::click_and_drag());
+    let response = ui.interact(rectangle, "view".into(), Sense::click());
     paint(ui, picture, rectangle);
     if !controlled.clock.ready {
         ui.painter().text(

@@ -22,16 +22,21 @@ pub(super) fn keep_short_taps(
     }
 }
 
-/// Takes the pointer's leaving out of events in which it was also pressed; says whether it was there.
+/// Takes the pointer's leaving out of events in which it was pressed before; says whether it was there.
 fn hold_back_leave(events: &mut Vec<egui::Event>) -> bool {
-    let is_press =
-        |event: &egui::Event| matches!(event, egui::Event::PointerButton { pressed: true, .. });
-    let ends_with_leave = matches!(events.last(), Some(egui::Event::PointerGone));
-    if !ends_with_leave || !events.iter().any(is_press) {
-        return false;
+    let pressed = events
+        .iter()
+        .position(|event| matches!(event, egui::Event::PointerButton { pressed: true, .. }));
+    let left = events
+        .iter()
+        .rposition(|event| matches!(event, egui::Event::PointerGone));
+    match (pressed, left) {
+        (Some(pressed), Some(left)) if pressed < left => {
+            events.remove(left);
+            true
+        }
+        _ => false,
     }
-    events.pop();
-    true
 }
 
 /// Brings up a telephone's keyboard when a field is touched, and puts it away when it is left.
@@ -63,9 +68,12 @@ mod tests {
 
     #[test]
     fn only_a_tap_within_one_frame_is_held() {
-        let mut tap = vec![button(true), button(false), egui::Event::PointerGone];
+        // Other events may follow in the same frame.
+        let other = egui::Event::WindowFocused(true);
+        let gone = egui::Event::PointerGone;
+        let mut tap = vec![button(true), button(false), gone, other];
         assert!(hold_back_leave(&mut tap));
-        assert_eq!(tap.len(), 2);
+        assert_eq!(tap.len(), 3);
         let mut end_of_drag = vec![button(false), egui::Event::PointerGone];
         assert!(!hold_back_leave(&mut end_of_drag));
         assert_eq!(end_of_drag.len(), 2);
@@ -107,6 +115,8 @@ mod tests {
                 }
             }
             down_and_up.push(egui::Event::PointerGone);
+            // As bevy_egui ends every frame's events.
+            down_and_up.push(egui::Event::WindowFocused(true));
             down_and_up
         };
         frame(Vec::new());
