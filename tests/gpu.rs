@@ -9,6 +9,7 @@
 //! can be better than that where it is steep or jumps. How many results need the second way is
 //! counted and limited.
 
+use ocularium::appearance::images::{Level, MapView, map_image};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::future::Future;
@@ -16,6 +17,7 @@ use std::path::PathBuf;
 use std::pin::pin;
 use std::sync::OnceLock;
 use std::task::{Context, Poll, Waker};
+use wgpu::util::{DeviceExt, TextureDataOrder};
 
 /// Samples for each function.
 pub const SAMPLES: usize = 12_000;
@@ -77,8 +79,21 @@ impl Gpu {
         inputs: usize,
         outputs: usize,
     ) -> Vec<f32> {
+        self.evaluate_with(library, &[], call, data, inputs, outputs)
+    }
+
+    /// The same for a call that also reads these textures, every one of them.
+    pub fn evaluate_with(
+        &self,
+        library: &[&str],
+        maps: &[Map],
+        call: &str,
+        data: &[f32],
+        inputs: usize,
+        outputs: usize,
+    ) -> Vec<f32> {
         let count = data.len() / inputs;
-        let source = kernel(library, call, inputs, outputs);
+        let source = kernel(library, maps, call, inputs, outputs);
         let module = self
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -118,19 +133,23 @@ impl Gpu {
         );
         self.queue
             .write_buffer(&source_buffer, 0, bytemuck::cast_slice(data));
+        let textures: Vec<_> = maps.iter().map(|map| self.texture(map)).collect();
+        let mut entries = vec![
+            source_buffer.as_entire_binding(),
+            result_buffer.as_entire_binding(),
+        ];
+        for (view, sampler) in &textures {
+            entries.push(wgpu::BindingResource::TextureView(view));
+            entries.push(wgpu::BindingResource::Sampler(sampler));
+        }
+        let entries: Vec<_> = (0..)
+            .zip(entries)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
         let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("twin"),
             layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: source_buffer.as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: result_buffer.as_entire_binding(),
-                },
-            ],
+            entries: &entries,
         });
         let mut encoder = self.device.create_command_encoder(&Default::default());
         {
@@ -152,6 +171,41 @@ impl Gpu {
         let mapped = read_buffer.slice(..).get_mapped_range();
         bytemuck::cast_slice(&mapped).to_vec()
     }
+
+    /// The app's own texture of this map, with the sampler that goes with it.
+    fn texture(&self, map: &Map) -> (wgpu::TextureView, wgpu::Sampler) {
+        let image = map_image(&map.levels, map.wrap);
+        let data = image.data.as_deref().expect("a map has texels");
+        let order = TextureDataOrder::MipMajor;
+        let descriptor = &image.texture_descriptor;
+        let texture = self
+            .device
+            .create_texture_with_data(&self.queue, descriptor, order, data);
+        let bevy::image::ImageSampler::Descriptor(sampler) = &image.sampler else {
+            panic!("a map says how it is sampled")
+        };
+        (
+            texture.create_view(&Default::default()),
+            self.device.create_sampler(&sampler.as_wgpu()),
+        )
+    }
+}
+
+/// A texture that a call reads as `name`, with the sampler `name_sampler`.
+pub struct Map {
+    /// Its name in the call.
+    pub name: &'static str,
+    /// Its levels, the finest first.
+    pub levels: Vec<Level>,
+    /// Does it repeat in u?
+    pub wrap: bool,
+}
+
+impl Map {
+    /// The same texels for the f64 twin.
+    pub fn view(&self) -> MapView {
+        MapView::new(&self.levels, self.wrap)
+    }
 }
 
 /// Waits for a future that needs no executor, as those of wgpu on native platforms.
@@ -166,9 +220,18 @@ fn block_on<F: Future>(future: F) -> F::Output {
     }
 }
 
-fn kernel(library: &[&str], call: &str, inputs: usize, outputs: usize) -> String {
+fn kernel(library: &[&str], maps: &[Map], call: &str, inputs: usize, outputs: usize) -> String {
+    let bindings = maps.iter().enumerate().map(|(i, Map { name, .. })| {
+        let (texture, sampler) = (2 * i + 2, 2 * i + 3);
+        format!(
+            "@group(0) @binding({texture}) var {name}: texture_2d<f32>;
+@group(0) @binding({sampler}) var {name}_sampler: sampler;
+"
+        )
+    });
     format!(
         "{}
+{}
 @group(0) @binding(0) var<storage, read> twin_in: array<f32>;
 @group(0) @binding(1) var<storage, read_write> twin_out: array<f32>;
 @compute @workgroup_size(64)
@@ -181,7 +244,8 @@ fn twin_main(@builtin(global_invocation_id) id: vec3<u32>) {{
     for (var i = 0u; i < {outputs}u; i++) {{ twin_out[id.x * {outputs}u + i] = y[i]; }}
 }}
 ",
-        joined_library(library)
+        joined_library(library),
+        bindings.collect::<String>()
     )
 }
 
@@ -222,6 +286,7 @@ pub fn joined_library(names: &[&str]) -> String {
 }
 
 /// One function of the library and what it must equal.
+#[derive(Clone, Copy)]
 pub struct Twin<'a> {
     /// Its name in reports.
     pub name: &'a str,
@@ -255,12 +320,18 @@ pub struct Report {
 impl Twin<'_> {
     /// Draws [`SAMPLES`] inputs, runs both and compares; prints the report.
     pub fn compare(&self) -> Result<Report, String> {
+        self.compare_with(&[])
+    }
+
+    /// The same for a function that reads these textures.
+    pub fn compare_with(&self, maps: &[Map]) -> Result<Report, String> {
         let gpu = Gpu::shared();
         let mut rng = Pcg64::seed_from_u64(0x0c01_a410);
         let data: Vec<Vec<f32>> = (0..SAMPLES).map(|_| (self.draw)(&mut rng)).collect();
         let outputs = (self.exact)(&widen(&data[0])).len();
-        let results = gpu.evaluate(
+        let results = gpu.evaluate_with(
             self.library,
+            maps,
             self.call,
             &data.concat(),
             data[0].len(),

@@ -9,9 +9,12 @@
 use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
 mod error_map;
 mod eye_light;
+mod iris_light;
 mod light;
 mod percept;
 mod refraction;
+mod shading;
+mod shading_maps;
 mod tissue;
 
 use glam::{DVec2, DVec3};
@@ -195,7 +198,10 @@ fn no_library_file_goes_without_a_twin() {
         include_str!("shader_twins/refraction.rs"),
         include_str!("shader_twins/light.rs"),
         include_str!("shader_twins/eye_light.rs"),
+        include_str!("shader_twins/iris_light.rs"),
         include_str!("shader_twins/percept.rs"),
+        include_str!("shader_twins/shading.rs"),
+        include_str!("shader_twins/shading_maps.rs"),
         include_str!("shader_twins/tissue.rs"),
     ]
     .concat();
@@ -214,4 +220,31 @@ fn no_library_file_goes_without_a_twin() {
             "{name}.wgsl: none of {functions:?} has a twin test"
         );
     }
+}
+
+#[test]
+fn the_eyes_entry_files_bind_and_call() {
+    let folder = library_folder().with_file_name("eye");
+    let mut functions = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("shaders/eye exists") {
+        let text = std::fs::read_to_string(entry.expect("readable").path()).expect("a text");
+        let names = text.lines().filter_map(|line| line.strip_prefix("fn "));
+        functions.extend(names.filter_map(|line| Some(line.split_once('(')?.0.to_owned())));
+    }
+    functions.sort();
+    // The stages, and what hands a binding of this file to the library: whatever computes goes there,
+    // where it has a twin.
+    assert_eq!(
+        functions,
+        [
+            "footprint_at",
+            "fragment",
+            "fragment",
+            "fragment",
+            "fragment",
+            "head_from_eye",
+            "through_cornea",
+            "vertex"
+        ]
+    );
 }

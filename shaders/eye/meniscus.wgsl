@@ -12,10 +12,7 @@ struct Meniscus {
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
-    let n = normalize(in.normal);
-    let f = fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
-    let r = reflect(-v, n);
-    let radiance = studio_radiance(meniscus.studio, r, 0.05) * f * meniscus.options.x;
+    let radiance = meniscus_reflection(meniscus.studio, normalize(in.normal), v) * meniscus.options.x;
     // Added in display space, so keep the tone curve's small-signal slope of one.
     return vec4(output_transform(radiance, meniscus.studio.key_color.w), 0.0);
 }

@@ -22,7 +22,7 @@ fn rings() -> Vec<f32> {
         .collect()
 }
 
-/// Reach of the limbus' soft edge outside its radius, mm (`shaders/eye/globe.wgsl`).
+/// Reach of the limbus' soft edge outside its radius, mm (`shaders/lib/limbus.wgsl`).
 const LIMBAL_REACH_MM: f64 = 0.34;
 
 /// Builds the meshes of cornea (with the limbus) and sclera in the eye frame, mm; they share a ring.

@@ -1,8 +1,9 @@
-//! Tissue maps as textures: half floats with their mip chain.
+//! Tissue maps as textures: half floats with their mip chain; and the same read in f64.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use glam::DVec2;
 use half::f16;
 
 /// One level of a map: width, height, texels row by row.
@@ -44,6 +45,68 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
         ..ImageSamplerDescriptor::default()
     });
     image
+}
+
+/// The texels of [`map_image`] as a texture unit reads them, in f64: what `textureSampleLevel` of that
+/// image with its own sampler means.
+#[derive(Clone, Debug)]
+pub struct MapView {
+    levels: Vec<(usize, usize, Vec<[f64; 4]>)>,
+    wrap: bool,
+}
+
+impl MapView {
+    /// The same levels and wrap as the image's; the texels are rounded to half floats as there.
+    pub fn new(levels: &[Level], wrap: bool) -> Self {
+        let rounded = |texel: &[f32; 4]| texel.map(|value| f16::from_f32(value).to_f64());
+        let levels = levels
+            .iter()
+            .map(|(w, h, texels)| {
+                let texels = texels.iter().map(rounded).collect();
+                (*w as usize, *h as usize, texels)
+            })
+            .collect();
+        Self { levels, wrap }
+    }
+
+    /// Width and height of the finest level.
+    pub fn size(&self) -> DVec2 {
+        let (width, height) = self.levels.first().map_or((1, 1), |(w, h, _)| (*w, *h));
+        DVec2::new(width as f64, height as f64)
+    }
+
+    /// Bilinear within the level nearest to `lod`.
+    pub fn sample(&self, uv: DVec2, lod: f64) -> [f64; 4] {
+        let level = (lod + 0.5).floor().max(0.0) as usize;
+        let Some((width, height, texels)) = self.levels.get(level.min(self.levels.len() - 1))
+        else {
+            return [0.0; 4];
+        };
+        let at = uv * DVec2::new(*width as f64, *height as f64) - 0.5;
+        let corner = at.floor();
+        let f = at - corner;
+        let texel = |dx: f64, dy: f64| {
+            let last = *width as f64 - 1.0;
+            let x = if self.wrap {
+                (corner.x + dx).rem_euclid(*width as f64)
+            } else {
+                (corner.x + dx).clamp(0.0, last)
+            };
+            let y = (corner.y + dy).clamp(0.0, *height as f64 - 1.0);
+            texels[y as usize * width + x as usize]
+        };
+        let (a, b, c, d) = (
+            texel(0.0, 0.0),
+            texel(1.0, 0.0),
+            texel(0.0, 1.0),
+            texel(1.0, 1.0),
+        );
+        core::array::from_fn(|i| {
+            let top = a[i] + (b[i] - a[i]) * f.x;
+            let bottom = c[i] + (d[i] - c[i]) * f.x;
+            top + (bottom - top) * f.y
+        })
+    }
 }
 
 /// Halves a level by averaging two by two; odd sides repeat their last texel.
@@ -91,6 +154,20 @@ mod tests {
         assert_eq!(sizes, [(8, 4), (4, 2), (2, 1), (1, 1)]);
         // Exact: the mean of 0..31 by halves of powers of two.
         assert_eq!(chain[3].2[0], [15.5, 1.0, 0.0, 0.5]);
+    }
+
+    #[test]
+    fn a_view_reads_between_texels_and_around_the_seam() {
+        let texels = vec![[0.0; 4], [1.0; 4], [2.0; 4], [3.0; 4]];
+        let level = (4, 1, texels);
+        let at = |wrap, u| {
+            MapView::new(std::slice::from_ref(&level), wrap).sample(DVec2::new(u, 0.5), 0.0)[0]
+        };
+        // Texels stand at 1/8, 3/8 …; sums of quarters are exact.
+        assert_eq!(at(true, 0.375), 1.0);
+        assert_eq!(at(true, 0.4375), 1.25);
+        assert_eq!((at(true, 0.0), at(true, 1.0)), (1.5, 1.5));
+        assert_eq!((at(false, 0.0), at(false, 1.0)), (0.0, 3.0));
     }
 
     #[test]

@@ -7,12 +7,14 @@
 //! time ([`crate::lab`]'s bench) that is the cheapest way to rounding error, and the picture pays for
 //! two look-ups where it would pay for Newton's method twice a pixel.
 
+use super::images::MapView;
+use super::shading::smoothstep;
 use crate::optics::caustic::caustic_irradiance_at;
 use crate::optics::conicoid::conicoid_sag;
 use crate::optics::fermat::{FERMAT_STEPS, fermat_entry};
 use crate::optics::refraction_function::domain::RefractionEye;
 use crate::optics::refraction_function::{RefractionFunction, RefractionSize, RefractionSlice};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// Texels along each side of one lamp's part of the table.
 pub const SIDE: usize = 48;
@@ -188,11 +190,6 @@ impl LightTable {
     }
 }
 
-fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 /// Bilinear look-up as the shader does it, in a table of any size.
 pub fn look_up(
     texels: &[[f32; 4]],
@@ -220,6 +217,32 @@ pub fn look_up(
         unbounded_irradiance: mix(2),
         entry_radius_mm: mix(3),
     }
+}
+
+/// Light of a lamp at a place of the iris plane: xyz towards where it enters the cornea, w irradiance
+/// relative to the lamp's. `table` holds the lamps side by side. Twin: `shaders/lib/iris_light.wgsl`.
+pub fn iris_light(
+    table: &MapView,
+    lamp: usize,
+    place: DVec2,
+    root_mm: f64,
+    limbus_mm: f64,
+) -> DVec4 {
+    let size = table.size() * DVec2::new(1.0 / LAMPS as f64, 1.0);
+    let at =
+        (place / (root_mm * REACH) * 0.5 + 0.5).clamp(DVec2::ZERO, DVec2::ONE) * (size - 1.0) + 0.5;
+    let beside = DVec2::new(lamp as f64 * size.x, 0.0);
+    let [x, y, unbounded_irradiance, entry_radius_mm] =
+        table.sample((at + beside) / table.size(), 0.0);
+    let light = IrisLight {
+        towards: DVec2::new(x, y),
+        unbounded_irradiance,
+        entry_radius_mm,
+    };
+    light
+        .towards
+        .extend(-(1.0 - light.towards.length_squared()).max(0.04).sqrt())
+        .extend(light.irradiance(limbus_mm))
 }
 
 #[cfg(test)]

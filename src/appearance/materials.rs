@@ -18,7 +18,7 @@ use bevy::render::render_resource::{
 };
 use bevy::shader::ShaderRef;
 
-/// The studio that lights the eye (struct `Studio` of `shaders/eye/common.wgsl`).
+/// The studio that lights the eye (struct `Studio` of `shaders/lib/studio.wgsl`).
 #[derive(Clone, Copy, Debug, ShaderType)]
 pub struct Studio {
     /// Direction towards the window, head frame; w: its angular half-width, rad.

@@ -27,6 +27,7 @@ mod mesh_fill;
 pub mod noise;
 pub mod parts;
 pub mod sclera_map;
+pub mod shading;
 pub mod skin_map;
 pub mod subdivide;
 mod tissue_maps;

@@ -1,0 +1,38 @@
+// What the lids leave of the light on the globe. Twin: src/appearance/shading/lid_shade.rs.
+
+const LID_SAMPLES: i32 = 32;
+const LID_HALF_SPAN_MM: f32 = 20.0;
+
+struct Lids {
+    // Heights (y, mm, head frame) of the lid margins at LID_SAMPLES places
+    // from x = -LID_HALF_SPAN_MM to +LID_HALF_SPAN_MM, four to a vector.
+    upper: array<vec4<f32>, 8>,
+    lower: array<vec4<f32>, 8>,
+};
+
+fn lid_height(heights: array<vec4<f32>, 8>, x: f32) -> f32 {
+    var table = heights;
+    let at = clamp((x + LID_HALF_SPAN_MM) / (2.0 * LID_HALF_SPAN_MM), 0.0, 1.0) * f32(LID_SAMPLES - 1);
+    let i = min(i32(at), LID_SAMPLES - 2);
+    let a = table[i / 4][i % 4];
+    let b = table[(i + 1) / 4][(i + 1) % 4];
+    return mix(a, b, at - f32(i));
+}
+
+struct LidShade { sky: f32, key: f32, upper_gap: f32, lower_gap: f32 };
+
+// How much of the sky and of the key light the lids leave at a point p (head
+// frame) of the globe: the upper lid and its lashes overhang, so that a soft
+// band lies below its margin; the lower lid only touches.
+fn lid_shade(lids: Lids, p: vec3<f32>) -> LidShade {
+    let upper = lid_height(lids.upper, p.x) - p.y;
+    let lower = p.y - lid_height(lids.lower, p.x);
+    let u = max(upper, 0.0);
+    let l = max(lower, 0.0);
+    var shade: LidShade;
+    shade.sky = (1.0 - 0.72 * exp(-u / 1.5)) * (1.0 - 0.5 * exp(-l / 0.8));
+    shade.key = smoothstep(-0.4, 2.4, upper) * (1.0 - 0.4 * exp(-l / 0.5));
+    shade.upper_gap = upper;
+    shade.lower_gap = lower;
+    return shade;
+}

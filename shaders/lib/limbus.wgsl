@@ -1,0 +1,17 @@
+// The limbus, where the cornea goes over into the sclera. Twin: src/appearance/shading/limbus.rs.
+
+// Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
+fn limbus_share(r: f32, limbus_radius: f32) -> f32 {
+    return smoothstep(limbus_radius + 0.30, limbus_radius - 0.75, r);
+}
+
+// The surface's normal there: the globe's outside, the cornea's own from a third of the way in.
+fn limbus_normal(globe: vec3f, cornea: vec3f, share: f32) -> vec3f {
+    return normalize(mix(globe, cornea, smoothstep(0.0, 0.35, share)));
+}
+
+// Tint of the blue-grey ring where the sclera thins over the dark angle.
+fn limbus_tint(share: f32) -> vec3f {
+    let ring = share * (1.0 - share) * 4.0;
+    return mix(vec3f(1.0), vec3f(0.62, 0.66, 0.72), ring * 0.75);
+}

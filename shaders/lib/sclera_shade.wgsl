@@ -1,0 +1,67 @@
+// needs: studio.wgsl, lid_shade.wgsl, footprint.wgsl
+//
+// The sclera's diffuse light. Eye frame, millimetres; `head_from_eye` turns into the head frame.
+// Twin: src/appearance/shading/sclera_shade.rs.
+
+// The map is azimuthal equidistant from the front, to 100 degrees.
+const SCLERA_HALF_ANGLE: f32 = 1.7453293;
+
+struct ScleraShade { diffuse: vec3f, normal: vec3f };
+
+fn sclera_uv(p: vec3f) -> vec2f {
+    let n = normalize(p);
+    let angle = acos(clamp(-n.z, -1.0, 1.0));
+    let across = length(n.xy);
+    let direction = select(vec2f(0.0), n.xy / across, across > 1e-6);
+    return 0.5 + 0.5 * direction * (angle / SCLERA_HALF_ANGLE);
+}
+
+// The normal with the relief of the map, from its height here and a step to the right and above.
+fn sclera_normal(normal: vec3f, here: f32, right: f32, above: f32) -> vec3f {
+    let bump = vec2f(right - here, above - here) * 1.3;
+    return normalize(normal - vec3f(bump, 0.0));
+}
+
+// Irradiance / pi under a normal n of the eye frame.
+fn sclera_light(studio: Studio, head_from_eye: mat3x3f, n: vec3f, shade: LidShade) -> vec3f {
+    let key_cosine = dot(n, studio.key_direction.xyz * head_from_eye);
+    let fill_cosine = dot(n, studio.fill_direction.xyz * head_from_eye);
+    // Light travels under the surface: red furthest.
+    let wrap = vec3f(0.42, 0.30, 0.24);
+    var light = studio_ambient(studio, head_from_eye * n) * shade.sky;
+    for (var c = 0; c < 3; c++) {
+        light[c] += studio.key_color[c] * wrapped_cosine(key_cosine, wrap[c]) * shade.key;
+        light[c] += studio.fill_color[c] * wrapped_cosine(fill_cosine, wrap[c]) * shade.sky;
+    }
+    return light;
+}
+
+// What the lids reflect back is warm, most of it near their margins.
+fn sclera_lid_bounce(shade: LidShade) -> vec3f {
+    let near_lid = exp(-max(min(shade.upper_gap, shade.lower_gap), 0.0) / 1.1);
+    return mix(vec3f(1.0), vec3f(1.05, 0.86, 0.80), near_lid * 0.8);
+}
+
+// Light and normal at a point p; `map` holds the albedo and in its last channel the height.
+fn sclera_shade(
+    map: texture_2d<f32>,
+    linear: sampler,
+    p: vec3f,
+    normal: vec3f,
+    footprint: f32,
+    sclera_radius: f32,
+    studio: Studio,
+    head_from_eye: mat3x3f,
+    shade: LidShade,
+) -> ScleraShade {
+    let uv = sclera_uv(p);
+    let texels = f32(textureDimensions(map).x);
+    let lod = footprint_level(footprint, 2.0 * SCLERA_HALF_ANGLE * sclera_radius / texels);
+    let here = textureSampleLevel(map, linear, uv, lod);
+    let step = 1.5 / texels;
+    let right = textureSampleLevel(map, linear, uv + vec2f(step, 0.0), lod).a;
+    let above = textureSampleLevel(map, linear, uv + vec2f(0.0, step), lod).a;
+    let n = sclera_normal(normal, here.a, right, above);
+    let light = sclera_light(studio, head_from_eye, n, shade);
+    return ScleraShade(here.rgb * light * sclera_lid_bounce(shade), n);
+}

@@ -1,0 +1,56 @@
+// The studio that lights the eye: a four-paned window (the key light), a smaller lamp (the fill) and
+// soft surroundings. Head frame. Twin: src/appearance/shading/studio.rs.
+
+struct Studio {
+    // Direction towards the window in the head frame; w: angular half-width of the window (rad).
+    key_direction: vec4<f32>,
+    // Irradiance / pi from the window, linear sRGB; w: exposure.
+    key_color: vec4<f32>,
+    fill_direction: vec4<f32>,
+    fill_color: vec4<f32>,
+    // Radiance of the surroundings from above and from below.
+    ambient_up: vec4<f32>,
+    ambient_down: vec4<f32>,
+};
+
+// Radiance that arrives from direction d: a room with a four-paned window
+// (the key light), a smaller lamp (the fill) and soft surroundings.
+// `blur` (rad) is the width of the edges: wide for rough surfaces.
+fn studio_radiance(studio: Studio, d: vec3<f32>, blur: f32) -> vec3<f32> {
+    let up = 0.5 + 0.5 * d.y;
+    var radiance = mix(studio.ambient_down.rgb, studio.ambient_up.rgb, smoothstep(0.15, 0.85, up));
+    let key = studio.key_direction.xyz;
+    let right = normalize(cross(vec3(0.0, 1.0, 0.0), key));
+    let above = cross(key, right);
+    let along = dot(d, key);
+    if along > 0.05 {
+        let p = vec2(dot(d, right), dot(d, above)) / along;
+        let half_size = vec2(0.72, 1.0) * studio.key_direction.w;
+        let edge = max(blur, 0.008);
+        let inside = smoothstep(vec2(edge), vec2(-edge), abs(p) - half_size);
+        let bar = max(0.02, 0.07 * half_size.x);
+        let panes = smoothstep(vec2(-edge), vec2(edge), abs(p) - vec2(bar));
+        let coverage = inside.x * inside.y * mix(1.0, panes.x * panes.y, exp(-blur * 12.0));
+        // The radiance of a window of this solid angle that gives the key's irradiance.
+        let solid_angle = 4.0 * half_size.x * half_size.y;
+        radiance += studio.key_color.rgb * (3.14159265 / solid_angle) * coverage * (0.75 + 0.25 * clamp(p.y / half_size.y, -1.0, 1.0));
+    }
+    let fill = dot(d, studio.fill_direction.xyz);
+    let radius = studio.fill_direction.w;
+    let fill_edge = max(blur, 0.02);
+    let fill_angle = acos(clamp(fill, -1.0, 1.0));
+    radiance += studio.fill_color.rgb / (radius * radius) * smoothstep(radius + fill_edge, radius - fill_edge, fill_angle);
+    return radiance;
+}
+
+// Irradiance / pi from the surroundings without the two lamps on a surface of normal n.
+fn studio_ambient(studio: Studio, n: vec3<f32>) -> vec3<f32> {
+    return mix(studio.ambient_down.rgb, studio.ambient_up.rgb, 0.5 + 0.5 * n.y);
+}
+
+// Mean cosine of a lamp of angular half-width `half` over a surface that bends light
+// around its terminator by `wrap` (0: Lambert), never negative.
+fn wrapped_cosine(cosine: f32, wrap: f32) -> f32 {
+    let c = (cosine + wrap) / (1.0 + wrap);
+    return max(c, 0.0) * max(c, 0.0) * 0.35 + max(c, 0.0) * 0.65;
+}

@@ -1,0 +1,142 @@
+//! The relief of the iris over its plane: where the refracted ray meets it and what it takes of the
+//! light. Twin: `shaders/lib/iris_relief.wgsl`.
+
+use super::{mix, smoothstep};
+use crate::appearance::images::MapView;
+use core::f64::consts::TAU;
+use glam::{DVec2, DVec3};
+
+/// What the shader must know of the iris to find a place in its map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrisFrame {
+    /// Radius of the root, mm.
+    pub root: f64,
+    /// Radius of the pupil, mm.
+    pub pupil: f64,
+    /// Radius of the limbus, mm.
+    pub limbus: f64,
+    /// How much of the relief's slope shows.
+    pub relief: f64,
+    /// Centre of the pupil, mm.
+    pub center: DVec2,
+}
+
+impl IrisFrame {
+    /// Width (mm) from pupil to root (`iris_width` of the shader).
+    pub fn width(&self) -> f64 {
+        (self.root - self.pupil).max(0.5)
+    }
+}
+
+/// A reading of the iris map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrisTexel {
+    /// Height over the mean plane, mm.
+    pub height: f64,
+    /// Thickness of the stroma, mm.
+    pub thickness: f64,
+    /// Melanin of the border layer.
+    pub melanin: f64,
+}
+
+/// Place in the iris map and how it changes with a step on the iris plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrisPlace {
+    /// u the angle, v from the pupil's edge to the root.
+    pub uv: DVec2,
+    /// Change of u by mm.
+    pub du: DVec2,
+    /// Change of v by mm.
+    pub dv: DVec2,
+}
+
+/// The place in the map of a point of the iris plane.
+pub fn iris_place(p: DVec2, iris: &IrisFrame) -> IrisPlace {
+    let q = p - iris.center * (1.0 - p.length() / iris.root);
+    let r = q.length().max(0.2);
+    IrisPlace {
+        uv: DVec2::new(q.y.atan2(q.x) / TAU + 0.5, (r - iris.pupil) / iris.width()),
+        du: q.perp() / (TAU * r * r),
+        dv: q / (r * iris.width()),
+    }
+}
+
+/// The place in the map a step (mm) away.
+pub fn iris_step(place: &IrisPlace, step: DVec2) -> DVec2 {
+    place.uv + DVec2::new(place.du.dot(step), place.dv.dot(step))
+}
+
+/// A reading of the map, which ends a thousandth within its edges.
+pub fn iris_texel(map: &MapView, uv: DVec2, lod: f64) -> IrisTexel {
+    let [thickness, melanin, height, _] =
+        map.sample(DVec2::new(uv.x, uv.y.clamp(0.001, 0.999)), lod);
+    IrisTexel {
+        height,
+        thickness,
+        melanin,
+    }
+}
+
+/// Level of a map of this size (texels) for a footprint (mm) at `radius` mm from the axis; a little
+/// sharper than the footprint, as the eye forgives more than it misses.
+pub fn iris_level(size: DVec2, footprint: f64, radius: f64, width: f64) -> f64 {
+    let texels = footprint * size / DVec2::new(TAU * radius.max(1.0), width);
+    (texels.max_element().log2() - 0.4).max(0.0)
+}
+
+/// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first
+/// place where the ray is below the surface, by linear steps and one secant.
+pub fn relief_march(map: &MapView, place: &IrisPlace, direction: DVec3, lod: f64) -> DVec2 {
+    let slope = direction.truncate() / direction.z.max(0.2);
+    // From the highest ridges, above the mean plane, to the deepest crypts below it.
+    let (top, deepest) = (0.20, 0.40);
+    let (mut before, mut gap_before) = (0.0, -0.05);
+    for i in 1..=5 {
+        let depth = deepest * f64::from(i) / 5.0;
+        let below = iris_step(place, slope * (depth - top));
+        let gap = depth - top + iris_texel(map, below, lod).height;
+        if gap >= 0.0 {
+            return slope * (mix(before, depth, gap_before / (gap_before - gap)) - top);
+        }
+        (before, gap_before) = (depth, gap);
+    }
+    slope * (deepest - top)
+}
+
+/// The relief's normal, by differences one footprint wide.
+pub fn relief_normal(
+    map: &MapView,
+    place: &IrisPlace,
+    height: f64,
+    footprint: f64,
+    lod: f64,
+    relief: f64,
+) -> DVec3 {
+    let e = footprint.max(0.012);
+    let rise = |step: DVec2| iris_texel(map, iris_step(place, step), lod).height - height;
+    let slope = DVec2::new(rise(DVec2::new(e, 0.0)), rise(DVec2::new(0.0, e))) * (relief / e);
+    (-slope).extend(-1.0).normalize()
+}
+
+/// What the relief leaves of a lamp's light: two short steps towards the lamp decide its own shadow.
+pub fn relief_shadow(
+    map: &MapView,
+    place: &IrisPlace,
+    height: f64,
+    towards: DVec3,
+    lod: f64,
+) -> f64 {
+    let left = |s: f64| {
+        let step = towards.truncate() * (s / (-towards.z).max(0.25));
+        let ridge = iris_texel(map, iris_step(place, step), lod).height - height;
+        1.0 - 0.55 * smoothstep(0.0, 0.10, ridge - s)
+    };
+    left(0.09) * left(0.18)
+}
+
+/// What of a lamp's irradiance the relief takes up at this normal. Light that enters one fibre leaves
+/// through its neighbours, so that a part of the contrast is lost.
+pub fn relief_gain(normal: DVec3, towards: DVec3) -> f64 {
+    let cosine = normal.dot(towards).max(0.0);
+    mix(1.0, cosine / (-towards.z).max(0.1), 0.75).clamp(0.0, 2.2)
+}

@@ -1,0 +1,33 @@
+//! How the eye's surfaces answer light, in f64: the twins of the shading functions in `shaders/lib`.
+//!
+//! Enters: geometry, maps and the studio. Leaves: linear sRGB radiance, its parts, and the place in a
+//! map that each needs. Each file bears the name of its twin; lengths in mm, angles in rad.
+
+pub mod footprint;
+pub mod hair_shade;
+pub mod iris_relief;
+pub mod iris_shade;
+pub mod lamp_lobe;
+pub mod lid_shade;
+pub mod limbus;
+pub mod sclera_shade;
+pub mod skin_shade;
+pub mod studio;
+pub mod tear_reflection;
+
+use bevy::math::Vec4;
+use glam::DVec3;
+
+/// WGSL's: 0 at `low`, 1 at `high`, whichever is the larger.
+pub(crate) fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+fn mix(a: f64, b: f64, share: f64) -> f64 {
+    a + (b - a) * share
+}
+
+fn xyz(v: Vec4) -> DVec3 {
+    v.truncate().as_dvec3()
+}

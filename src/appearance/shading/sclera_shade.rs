@@ -1,0 +1,82 @@
+//! The sclera's diffuse light. Eye frame, mm; `head_from_eye` turns into the head frame.
+//! Twin: `shaders/lib/sclera_shade.wgsl`.
+
+use super::footprint::footprint_level;
+use super::lid_shade::LidShade;
+use super::studio::{studio_ambient, wrapped_cosine};
+use super::xyz;
+use crate::appearance::images::MapView;
+use crate::appearance::materials::Studio;
+use glam::{DMat3, DVec2, DVec3};
+
+/// The map is azimuthal equidistant from the front, to 100°.
+pub const SCLERA_HALF_ANGLE: f64 = 1.7453293;
+
+/// Light and normal of a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScleraShade {
+    /// Diffuse radiance.
+    pub diffuse: DVec3,
+    /// Normal with the map's relief.
+    pub normal: DVec3,
+}
+
+/// Place in the map of a point of the globe.
+pub fn sclera_uv(p: DVec3) -> DVec2 {
+    let n = p.normalize();
+    let angle = (-n.z).clamp(-1.0, 1.0).acos();
+    let direction = n.truncate().normalize_or_zero();
+    0.5 + 0.5 * direction * (angle / SCLERA_HALF_ANGLE)
+}
+
+/// The normal with the relief of the map, from its height here and a step to the right and above.
+pub fn sclera_normal(normal: DVec3, here: f64, right: f64, above: f64) -> DVec3 {
+    let bump = DVec2::new(right - here, above - here) * 1.3;
+    (normal - bump.extend(0.0)).normalize()
+}
+
+/// Irradiance / π under a normal `n` of the eye frame.
+pub fn sclera_light(studio: &Studio, head_from_eye: DMat3, n: DVec3, shade: &LidShade) -> DVec3 {
+    let n = head_from_eye * n;
+    let (key, fill) = (
+        n.dot(xyz(studio.key_direction)),
+        n.dot(xyz(studio.fill_direction)),
+    );
+    // Light travels under the surface: red furthest.
+    let wrapped =
+        |cosine: f64| DVec3::new(0.42, 0.30, 0.24).map(|wrap| wrapped_cosine(cosine, wrap));
+    studio_ambient(studio, n) * shade.sky
+        + xyz(studio.key_color) * wrapped(key) * shade.key
+        + xyz(studio.fill_color) * wrapped(fill) * shade.sky
+}
+
+/// What the lids reflect back is warm, most of it near their margins.
+pub fn sclera_lid_bounce(shade: &LidShade) -> DVec3 {
+    let near_lid = (-shade.upper_gap.min(shade.lower_gap).max(0.0) / 1.1).exp();
+    DVec3::ONE.lerp(DVec3::new(1.05, 0.86, 0.80), near_lid * 0.8)
+}
+
+/// Light and normal at a point `p`; `map` holds the albedo and in its last channel the height.
+#[expect(clippy::too_many_arguments, reason = "the shader's own arguments")]
+pub fn sclera_shade(
+    map: &MapView,
+    p: DVec3,
+    normal: DVec3,
+    footprint: f64,
+    sclera_radius: f64,
+    studio: &Studio,
+    head_from_eye: DMat3,
+    shade: &LidShade,
+) -> ScleraShade {
+    let uv = sclera_uv(p);
+    let texels = map.size().x;
+    let lod = footprint_level(footprint, 2.0 * SCLERA_HALF_ANGLE * sclera_radius / texels);
+    let [r, g, b, here] = map.sample(uv, lod);
+    let height = |x: f64, y: f64| map.sample(uv + DVec2::new(x, y) * (1.5 / texels), lod)[3];
+    let n = sclera_normal(normal, here, height(1.0, 0.0), height(0.0, 1.0));
+    let light = sclera_light(studio, head_from_eye, n, shade);
+    ScleraShade {
+        diffuse: DVec3::new(r, g, b) * light * sclera_lid_bounce(shade),
+        normal: n,
+    }
+}

@@ -1,0 +1,83 @@
+//! The studio that lights the eye: a four-paned window (the key light), a smaller lamp (the fill) and
+//! soft surroundings. Head frame. Twin: `shaders/lib/studio.wgsl`.
+
+use super::{mix, smoothstep, xyz};
+use crate::appearance::materials::Studio;
+use core::f64::consts::PI;
+use glam::{DVec2, DVec3};
+
+/// Radiance that arrives from the unit direction `d`; `blur` (rad) is the width of the edges.
+pub fn studio_radiance(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
+    let up = smoothstep(0.15, 0.85, 0.5 + 0.5 * d.y);
+    let surroundings = xyz(studio.ambient_down).lerp(xyz(studio.ambient_up), up);
+    let angle = d.dot(xyz(studio.fill_direction)).clamp(-1.0, 1.0).acos();
+    let radius = f64::from(studio.fill_direction.w);
+    let edge = blur.max(0.02);
+    let lamp = smoothstep(radius + edge, radius - edge, angle) / (radius * radius);
+    surroundings + window(studio, d, blur) + xyz(studio.fill_color) * lamp
+}
+
+fn window(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
+    let key = xyz(studio.key_direction);
+    let right = DVec3::Y.cross(key).normalize();
+    let above = key.cross(right);
+    let along = d.dot(key);
+    if along <= 0.05 {
+        return DVec3::ZERO;
+    }
+    let p = DVec2::new(d.dot(right), d.dot(above)) / along;
+    let half_size = DVec2::new(0.72, 1.0) * f64::from(studio.key_direction.w);
+    let edge = blur.max(0.008);
+    let inside = |off: f64| smoothstep(edge, -edge, off);
+    let within = inside(p.x.abs() - half_size.x) * inside(p.y.abs() - half_size.y);
+    let bar = (0.07 * half_size.x).max(0.02);
+    let panes = |off: f64| smoothstep(-edge, edge, off.abs() - bar);
+    let coverage = within * mix(1.0, panes(p.x) * panes(p.y), (-blur * 12.0).exp());
+    // The radiance of a window of this solid angle that gives the key's irradiance.
+    let solid_angle = 4.0 * half_size.x * half_size.y;
+    let sky = 0.75 + 0.25 * (p.y / half_size.y).clamp(-1.0, 1.0);
+    xyz(studio.key_color) * (PI / solid_angle * coverage * sky)
+}
+
+/// Irradiance / π from the surroundings without the two lamps on a surface of normal `n`.
+pub fn studio_ambient(studio: &Studio, n: DVec3) -> DVec3 {
+    xyz(studio.ambient_down).lerp(xyz(studio.ambient_up), 0.5 + 0.5 * n.y)
+}
+
+/// Mean cosine of a lamp over a surface that bends light around its terminator by `wrap` (0:
+/// Lambert), never negative.
+pub fn wrapped_cosine(cosine: f64, wrap: f64) -> f64 {
+    let c = ((cosine + wrap) / (1.0 + wrap)).max(0.0);
+    c * c * 0.35 + c * 0.65
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_gives_about_the_irradiance_that_it_is_given() {
+        // Sum of radiance times solid angle over the window's plane, black surroundings and no fill.
+        let mut studio = Studio::default();
+        studio.fill_color = bevy::math::Vec4::ZERO;
+        studio.ambient_up = bevy::math::Vec4::ZERO;
+        studio.ambient_down = bevy::math::Vec4::ZERO;
+        let key = xyz(studio.key_direction);
+        let right = DVec3::Y.cross(key).normalize();
+        let above = key.cross(right);
+        let (step, mut sum) = (0.002, 0.0);
+        for i in -150..150 {
+            for j in -150..150 {
+                let (x, y) = (step * (f64::from(i) + 0.5), step * (f64::from(j) + 0.5));
+                let d = key + x * right + y * above;
+                let cosine = 1.0 / d.length();
+                let radiance = studio_radiance(&studio, d.normalize(), 0.0).x;
+                // Solid angle of the cell, and the cosine of a surface across the window's axis.
+                sum += radiance * step * step * cosine.powi(4);
+            }
+        }
+        let irradiance = sum / (PI * f64::from(studio.key_color.x));
+        // The bars take 0.35 and the gradient a quarter, at most, of the lower half.
+        assert!((0.5..1.0).contains(&irradiance), "{irradiance}");
+    }
+}

@@ -1,0 +1,385 @@
+//! Sclera and iris with their maps: as textures on the device and as the same texels in f64.
+
+use super::shading::{
+    RGB_OUT, draw_shade, draw_studio, pass_unless_off, rgb, shade_of, studio_of, vec4s,
+};
+use super::{between, unit, v2, v3};
+use crate::gpu::{Map, Twin};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use ocularium::appearance::iris_map::{IrisMap, IrisMapSettings};
+use ocularium::appearance::light_table::{LAMPS, LightTable, LightTableSettings, SIDE};
+use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
+use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
+use ocularium::appearance::shading::iris_shade::{self, IrisMaps};
+use ocularium::appearance::shading::sclera_shade;
+use rand_pcg::Pcg64;
+
+/// A rotation as nine numbers, column by column.
+fn draw_rotation(rng: &mut Pcg64) -> [f32; 9] {
+    let axis = DVec3::from_array(unit(rng).map(f64::from)).normalize();
+    let turn = DQuat::from_axis_angle(axis, f64::from(between(rng, -0.8, 0.8)));
+    DMat3::from_quat(turn).to_cols_array().map(|v| v as f32)
+}
+
+/// A point of the globe's front half and a normal near to it.
+fn draw_place(rng: &mut Pcg64) -> [f32; 6] {
+    let out = DVec3::from_array(unit(rng).map(f64::from));
+    let p = DVec3::new(out.x, out.y, -out.z.abs() - 1e-3).normalize();
+    let tilt = 0.2 * DVec3::from_array(unit(rng).map(f64::from));
+    let (p, n) = (12.0 * p, (p + tilt).normalize());
+    [p.x, p.y, p.z, n.x, n.y, n.z].map(|v| v as f32)
+}
+
+#[test]
+fn sclera() {
+    let map = Map {
+        name: "sclera_map",
+        levels: ScleraMap::new(&ScleraMapSettings::default(), 256).levels(),
+        wrap: false,
+    };
+    let view = map.view();
+    pass_unless_off(
+        &Twin {
+            name: "sclera_uv",
+            library: &["sclera_shade"],
+            call: "let u = sclera_uv(vec3f(x[0], x[1], x[2])); y[0] = u.x; y[1] = u.y;",
+            draw: &|rng| draw_place(rng).to_vec(),
+            exact: &|x| sclera_shade::sclera_uv(v3(x)).to_array().to_vec(),
+            // WGSL lets an arc cosine have an arc tangent's 4096 roundings: 3.8e-4 of a right angle, here
+            // over twice 100°.
+            absolute: 1.1e-4,
+            relative: 0.0,
+            // At the pole the direction is a matter of rounding.
+            steep_share: 0.001,
+        },
+        &[],
+        0,
+        1e-2,
+    );
+    let call = format!(
+        "let s = Studio({}); let turn = mat3x3f(x[24], x[25], x[26], x[27], x[28], x[29], x[30], x[31], x[32]); \
+         let r = sclera_shade(sclera_map, sclera_map_sampler, vec3f(x[33], x[34], x[35]), vec3f(x[36], x[37], x[38]), \
+         x[39], x[40], s, turn, LidShade(x[41], x[42], x[43], x[44])); let c = r.diffuse; {RGB_OUT} \
+         y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z;",
+        vec4s(0, 6)
+    );
+    pass_unless_off(
+        &Twin {
+            name: "sclera_shade",
+            library: &["sclera_shade"],
+            call: &call,
+            draw: &|rng| {
+                let mut x = draw_studio(rng);
+                x.extend(draw_rotation(rng));
+                x.extend(draw_place(rng));
+                x.extend([
+                    10.0_f32.powf(between(rng, -3.0, 0.5)),
+                    between(rng, 10.5, 12.5),
+                ]);
+                x.extend(draw_shade(rng));
+                x
+            },
+            exact: &|x| {
+                let r = sclera_shade::sclera_shade(
+                    &view,
+                    v3(&x[33..]),
+                    v3(&x[36..]),
+                    x[39],
+                    x[40],
+                    &studio_of(x),
+                    DMat3::from_cols_slice(&x[24..33]),
+                    &shade_of(&x[41..]),
+                );
+                [rgb(r.diffuse), rgb(r.normal)].concat()
+            },
+            // The place is good to 1.1e-4 of 256 texels, between texels that differ by up to 0.3.
+            absolute: 9e-3,
+            relative: 0.0,
+            // Where the level jumps to the next.
+            steep_share: 0.002,
+        },
+        std::slice::from_ref(&map),
+        42,
+        0.05,
+    );
+}
+
+fn light_table() -> Map {
+    let lamp = |x: f64, y: f64| DVec3::new(x, y, -1.0).normalize();
+    let settings = LightTableSettings {
+        surface: DVec2::new(7.8, 0.75),
+        index: 1.336,
+        iris_z: 3.6,
+        root_mm: 6.05,
+        limbus_mm: 5.85,
+        lamps: [lamp(0.6, 0.7), lamp(-1.1, -0.1)],
+    };
+    let texels = LightTable::new(settings).texels();
+    Map {
+        name: "light_table",
+        levels: vec![((LAMPS * SIDE) as u32, SIDE as u32, texels)],
+        wrap: false,
+    }
+}
+
+/// A smooth reflectance that falls with path and melanin, other in each colour.
+fn reflectance_map() -> Map {
+    let texel = |i: u16| {
+        let (path, melanin) = (f32::from(i % 32) / 31.0, f32::from(i / 32) / 15.0);
+        let of = |k: f32| (1.0 - (-k * (0.2 + path)).exp()) * (1.0 - 0.7 * melanin);
+        [of(0.6), of(1.1), of(1.9), 1.0]
+    };
+    Map {
+        name: "reflectance_map",
+        levels: vec![(32, 16, (0..512).map(texel).collect())],
+        wrap: false,
+    }
+}
+
+fn iris_map() -> Map {
+    Map {
+        name: "iris_map",
+        levels: IrisMap::new(&IrisMapSettings::default(), 256, 64).levels(),
+        wrap: true,
+    }
+}
+
+/// Radii from 1 to 9 mm of pupil, its centre up to a millimetre off, and a place of the iris plane.
+fn draw_iris(rng: &mut Pcg64) -> Vec<f32> {
+    let mut x = vec![
+        between(rng, 5.0, 6.6),
+        between(rng, 0.5, 4.5),
+        between(rng, 5.0, 6.5),
+        1.0,
+        between(rng, -1.0, 1.0),
+        between(rng, -1.0, 1.0),
+    ];
+    let r = between(rng, 0.3, 6.5);
+    let (sin, cos) = between(rng, 0.0, core::f32::consts::TAU).sin_cos();
+    x.extend([r * cos, r * sin]);
+    x
+}
+
+fn iris_of(x: &[f64]) -> IrisFrame {
+    IrisFrame {
+        root: x[0],
+        pupil: x[1],
+        limbus: x[2],
+        relief: x[3],
+        center: v2(&x[4..]),
+    }
+}
+
+const IRIS: &str =
+    "let iris = IrisFrame(x[0], x[1], x[2], x[3], vec2f(x[4], x[5])); let p = vec2f(x[6], x[7]);";
+
+#[test]
+fn places_of_the_iris() {
+    pass_unless_off(
+        &Twin {
+            name: "iris_place",
+            library: &["iris_relief"],
+            call: &format!(
+                "{IRIS} let q = iris_place(p, iris); y[0] = cos(6.2831853 * q.uv.x); y[1] = sin(6.2831853 * q.uv.x); \
+                 y[2] = q.uv.y; y[3] = q.du.x; y[4] = q.du.y; y[5] = q.dv.x; y[6] = q.dv.y; \
+                 let s = iris_step(q, vec2f(0.1, -0.2)) - q.uv; y[7] = s.x; y[8] = s.y;"
+            ),
+            draw: &draw_iris,
+            exact: &|x| {
+                let q = iris_relief::iris_place(v2(&x[6..]), &iris_of(x));
+                let (sin, cos) = (core::f64::consts::TAU * q.uv.x).sin_cos();
+                let step = iris_relief::iris_step(&q, DVec2::new(0.1, -0.2)) - q.uv;
+                vec![
+                    cos, sin, q.uv.y, q.du.x, q.du.y, q.dv.x, q.dv.y, step.x, step.y,
+                ]
+            },
+            // u jumps at the seam, so its circle is compared: WGSL allows an arc tangent 4096 roundings
+            // and a cosine 2^-11. The rest is good to a few roundings of v, up to 12.
+            absolute: 1e-3,
+            relative: 0.0,
+            steep_share: 0.001,
+        },
+        &[],
+        4,
+        0.01,
+    );
+}
+
+/// The iris, a ray inside the eye, a light, a footprint and a level.
+fn draw_march(rng: &mut Pcg64) -> Vec<f32> {
+    let mut x = draw_iris(rng);
+    for side in [1.0, -1.0] {
+        let (s, c) = between(rng, 0.0, 0.9).sin_cos();
+        let (sin, cos) = between(rng, 0.0, core::f32::consts::TAU).sin_cos();
+        x.extend([s * cos, s * sin, side * c]);
+    }
+    x.extend([
+        10.0_f32.powf(between(rng, -2.5, 0.0)),
+        between(rng, 0.0, 2.4),
+    ]);
+    x
+}
+
+#[test]
+fn the_relief_of_the_iris() {
+    let map = iris_map();
+    let view = map.view();
+    pass_unless_off(
+        &Twin {
+            name: "relief_march",
+            library: &["iris_relief"],
+            call: &format!(
+                "{IRIS} let q = iris_place(p, iris); let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[11], x[12], x[13]); \
+                 let m = relief_march(iris_map, iris_map_sampler, q, d, x[15]); y[0] = m.x; y[1] = m.y; \
+                 let t = iris_texel(iris_map, iris_map_sampler, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
+                 let n = relief_normal(iris_map, iris_map_sampler, q, t.height, x[14], x[15], 1.0); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
+                 y[8] = relief_shadow(iris_map, iris_map_sampler, q, t.height, l, x[15]); y[9] = relief_gain(n, l); \
+                 y[10] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
+            ),
+            draw: &draw_march,
+            exact: &|x| {
+                let (iris, p, lod) = (iris_of(x), v2(&x[6..]), x[15]);
+                let (d, l) = (v3(&x[8..]), v3(&x[11..]));
+                let q = iris_relief::iris_place(p, &iris);
+                let moved = iris_relief::relief_march(&view, &q, d, lod);
+                let t = iris_relief::iris_texel(&view, q.uv, lod);
+                let n = iris_relief::relief_normal(&view, &q, t.height, x[14], lod, 1.0);
+                let shadow = iris_relief::relief_shadow(&view, &q, t.height, l, lod);
+                let gain = iris_relief::relief_gain(n, l);
+                let level = iris_relief::iris_level(view.size(), x[14], p.length(), iris.width());
+                [
+                    &moved.to_array()[..],
+                    &[t.height, t.thickness, t.melanin],
+                    &n.to_array(),
+                    &[shadow, gain, level],
+                ]
+                .concat()
+            },
+            // An arc tangent off by 1e-5 moves a place by 5e-4 of 256 texels, between heights up to a
+            // tenth of a millimetre apart; over the shadow's edge of 0.1 mm and the normal's 0.012 mm
+            // both of a difference of two.
+            absolute: 2e-3,
+            relative: 0.0,
+            // Where the ray grazes a ridge, and where the level jumps.
+            steep_share: 0.01,
+        },
+        std::slice::from_ref(&map),
+        8,
+        0.05,
+    );
+}
+
+#[test]
+fn the_light_of_the_iris() {
+    let maps = [iris_map(), reflectance_map(), light_table()];
+    let views = IrisMaps {
+        relief: maps[0].view(),
+        reflectance: maps[1].view(),
+        light: maps[2].view(),
+    };
+    let call = format!(
+        "{IRIS} let d = vec3f(x[8], x[9], x[10]); let e = LidShade(x[16], x[17], x[18], x[19]); let s = Studio({}); \
+         let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
+         let c = iris_radiance(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, \
+         iris, s, vec3f(0.0, 0.0, -1.0), p, d, q, x[14], e); {RGB_OUT} y[3] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;",
+        vec4s(20, 6)
+    );
+    pass_unless_off(
+        &Twin {
+            name: "iris_radiance",
+            library: &["iris_shade"],
+            call: &call,
+            draw: &|rng| {
+                let mut x = draw_march(rng);
+                (x[11], x[12]) = (between(rng, 0.0, 1.0), between(rng, -0.1, 1.2));
+                x.extend(draw_shade(rng));
+                x.extend(draw_studio(rng));
+                x
+            },
+            exact: &|x| {
+                let p = v2(&x[6..]);
+                let start = IrisPlace {
+                    uv: v2(&x[11..]),
+                    du: p.perp() * (0.15915494 / p.length_squared()),
+                    dv: p * 0.05,
+                };
+                let radiance = iris_shade::iris_radiance(
+                    &views,
+                    &iris_of(x),
+                    &studio_of(&x[20..]),
+                    DVec3::NEG_Z,
+                    p,
+                    v3(&x[8..]),
+                    &start,
+                    x[14],
+                    &shade_of(&x[16..]),
+                );
+                [rgb(radiance), vec![1.0]].concat()
+            },
+            // A place is good to 6e-8 of 256 texels; a ridge 0.1 mm high within one makes 2e-6 mm of each
+            // of two readings, the normal's step of 0.012 mm 3e-4 of a slope, light up to 2 twice that.
+            absolute: 6e-4,
+            relative: 0.0,
+            // Where the ray grazes a ridge, and where the level jumps.
+            steep_share: 0.01,
+        },
+        &maps,
+        17,
+        0.05,
+    );
+}
+
+#[test]
+fn what_shows_through_the_pupil() {
+    let call = format!(
+        "{IRIS} let e = LidShade(x[8], x[9], x[10], x[11]); let s = Studio({}); \
+         let c = pupil_radiance(s, x[36], e); {RGB_OUT} \
+         y[3] = pupil_edge(p, x[37], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[12], x[13], x[14]), y[3], p.y); \
+         y[4] = m.x; y[5] = m.y; y[6] = m.z; let g = iris_edges(m, p.y); y[7] = g.x; y[8] = g.y; y[9] = g.z; \
+         y[10] = iris_openness(p.x); y[11] = iris_path(x[36], -x[37], x[9]);",
+        vec4s(12, 6)
+    );
+    pass_unless_off(
+        &Twin {
+            name: "pupil_radiance",
+            library: &["iris_shade"],
+            call: &call,
+            draw: &|rng| {
+                let mut x = draw_iris(rng);
+                (x[6], x[7]) = (between(rng, -0.2, 1.0), between(rng, -0.1, 1.2));
+                x.extend(draw_shade(rng));
+                x.extend(draw_studio(rng));
+                x.extend([
+                    between(rng, 0.0, 1.0),
+                    10.0_f32.powf(between(rng, -3.0, 0.0)),
+                ]);
+                x
+            },
+            exact: &|x| {
+                let (place, iris) = (v2(&x[6..]), iris_of(x));
+                let pupil =
+                    iris_shade::pupil_radiance(&studio_of(&x[12..]), x[36], &shade_of(&x[8..]));
+                let edge = iris_shade::pupil_edge(place, x[37], iris.width());
+                let both = iris_shade::iris_and_pupil(pupil, v3(&x[12..]), edge, place.y);
+                let edges = iris_shade::iris_edges(both, place.y);
+                let open = iris_shade::iris_openness(place.x);
+                let path = iris_shade::iris_path(x[36], -x[37], x[9]);
+                [
+                    rgb(pupil),
+                    vec![edge],
+                    rgb(both),
+                    rgb(edges),
+                    vec![open, path],
+                ]
+                .concat()
+            },
+            // WGSL allows a sine 2^-11, of 0.011, over the softest edge of 0.016 with slope 1.5.
+            absolute: 6e-4,
+            relative: 0.0,
+            steep_share: 0.001,
+        },
+        &[],
+        7,
+        0.01,
+    );
+}
