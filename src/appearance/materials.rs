@@ -11,15 +11,16 @@ use bevy::image::Image;
 use bevy::math::{Mat4, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
-use bevy::prelude::AlphaMode;
+use bevy::prelude::{AlphaMode, Resource};
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::{
     AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
 };
 use bevy::shader::ShaderRef;
 
-/// The studio that lights the eye (struct `Studio` of `shaders/lib/studio.wgsl`).
-#[derive(Clone, Copy, Debug, ShaderType)]
+/// The studio that lights the eye (struct `Studio` of `shaders/lib/studio.wgsl`): as a resource, the
+/// lights of the eye on screen.
+#[derive(Resource, Clone, Copy, Debug, ShaderType)]
 pub struct Studio {
     /// Direction towards the window, head frame; w: its angular half-width, rad.
     pub key_direction: Vec4,

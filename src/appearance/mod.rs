@@ -22,6 +22,7 @@ pub mod lashes;
 pub mod lid_profile;
 pub mod lids;
 pub mod light_table;
+pub mod lighting;
 pub mod materials;
 mod mesh_fill;
 pub mod noise;
@@ -54,10 +55,12 @@ impl Plugin for AppearancePlugin {
         .init_resource::<EyeOrbit>()
         .init_resource::<EyeQuality>()
         .init_resource::<EyeParts>()
+        .init_resource::<Studio>()
         .add_systems(
             Update,
             (
                 parts::build_eye,
+                lighting::light_eye,
                 parts::move_eye,
                 parts::move_lids,
                 eye_camera::aim_camera,

@@ -47,6 +47,13 @@ pub struct EyeParts {
     meniscus_mesh: Option<Handle<Mesh>>,
 }
 
+impl EyeParts {
+    /// Has the lamps' light through the cornea worked out again.
+    pub(super) fn relight(&mut self) {
+        self.head_from_eye = None;
+    }
+}
+
 /// Marks what belongs to the eye on screen.
 #[derive(Component)]
 pub struct EyePart;
@@ -66,9 +73,10 @@ type NewPatient = Or<(
     Changed<Sclera>,
 )>;
 
-/// The stores of the eye's materials.
+/// The stores of the eye's materials, and what lights them.
 #[derive(SystemParam)]
 pub struct EyeMaterials<'w> {
+    studio: Res<'w, Studio>,
     globes: ResMut<'w, Assets<GlobeMaterial>>,
     skins: ResMut<'w, Assets<SkinMaterial>>,
     hairs: ResMut<'w, Assets<HairMaterial>>,
@@ -96,6 +104,7 @@ pub fn build_eye(
         return;
     };
     let EyeMaterials {
+        studio,
         mut globes,
         mut skins,
         mut hairs,
@@ -136,7 +145,8 @@ pub fn build_eye(
             .sum(),
     );
     let [iris_map, sclera_map, reflectance_map] = maps;
-    let uniform = static_uniform(eye, cornea, iris, &shape);
+    let studio = *studio;
+    let uniform = static_uniform(eye, cornea, iris, &shape, studio);
     let light_table = images.add(map_image(
         &[(
             (LAMPS * SIDE) as u32,
@@ -185,7 +195,6 @@ pub fn build_eye(
     let skin_mesh = meshes.add(empty_mesh());
     let lash_mesh = meshes.add(empty_mesh());
     let meniscus_mesh = meshes.add(empty_mesh());
-    let studio = Studio::default();
     let albedo = skin_albedo(lids.skin_tone);
     commands.spawn((
         EyePart,
@@ -258,7 +267,7 @@ pub fn move_eye(
     mut globes: ResMut<Assets<GlobeMaterial>>,
     mut images: ResMut<Assets<Image>>,
     mut transforms: Query<&mut Transform>,
-    panels: Res<Panels>,
+    (panels, studio): (Res<Panels>, Res<Studio>),
     ledger: Res<WorkLedger>,
 ) {
     let Ok((eye, gaze, pupil)) = patient.single() else {
@@ -289,7 +298,6 @@ pub fn move_eye(
         }
     }
     if let Some((lights, table)) = parts.lights.as_mut().filter(|_| turned) {
-        let studio = Studio::default();
         let eye_from_head = rotation.inverse();
         lights.settings.lamps = [studio.key_direction, studio.fill_direction].map(|lamp| {
             (eye_from_head * lamp.truncate())

@@ -112,9 +112,10 @@ pub(super) fn static_uniform(
     cornea: &Cornea,
     iris: &Iris,
     shape: &GlobeShape,
+    studio: Studio,
 ) -> GlobeUniform {
     GlobeUniform {
-        studio: Studio::default(),
+        studio,
         lids: LidHeights::default(),
         head_from_eye: Mat4::IDENTITY,
         cornea: Vec4::new(

@@ -1,4 +1,4 @@
-//! How different two pictures are: a mean and a high percentile, with limits for both.
+//! How different two pictures are: a mean, a high percentile and the largest, with limits for each.
 
 use image::RgbaImage;
 
@@ -7,8 +7,8 @@ use image::RgbaImage;
 pub struct Difference {
     /// Mean over all pixels.
     pub mean: f64,
-    /// The difference that 99 of 100 pixels do not exceed.
-    pub percentile_99: u8,
+    /// The difference that 999 of 1,000 pixels do not exceed.
+    pub percentile_999: u8,
     /// The largest.
     pub max: u8,
 }
@@ -18,8 +18,10 @@ pub struct Difference {
 pub struct Limits {
     /// On the mean.
     pub mean: f64,
-    /// On the 99th percentile.
-    pub percentile_99: u8,
+    /// On the 99.9th percentile.
+    pub percentile_999: u8,
+    /// On the largest.
+    pub max: u8,
 }
 
 impl Difference {
@@ -38,14 +40,16 @@ impl Difference {
         let last = steps.len() - 1;
         Some(Self {
             mean: sum as f64 / steps.len() as f64,
-            percentile_99: steps[last * 99 / 100],
+            percentile_999: steps[last * 999 / 1000],
             max: steps[last],
         })
     }
 
     /// Is it within the limits?
     pub fn keeps(&self, limits: &Limits) -> bool {
-        self.mean <= limits.mean && self.percentile_99 <= limits.percentile_99
+        self.mean <= limits.mean
+            && self.percentile_999 <= limits.percentile_999
+            && self.max <= limits.max
     }
 }
 
@@ -63,22 +67,47 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_accepts_itself_and_rejects_a_shift() {
-        let picture = RgbaImage::from_fn(40, 30, |x, y| {
-            image::Rgba([(x * 6) as u8, (y * 8) as u8, 0, 255])
-        });
-        let shifted = RgbaImage::from_fn(40, 30, |x, y| *picture.get_pixel((x + 3) % 40, y));
+    fn it_finds_the_mean_the_percentile_and_the_largest() {
+        // 2,000 pixels: one differs by 200, three by 50, 996 by 1.
+        let picture = RgbaImage::from_pixel(50, 40, image::Rgba([20, 20, 20, 255]));
+        let mut other = picture.clone();
+        for (index, pixel) in other.pixels_mut().take(1000).enumerate() {
+            pixel.0[index % 3] += match index {
+                0 => 200,
+                1..=3 => 50,
+                _ => 1,
+            };
+        }
+        let found = Difference::between(&picture, &other).expect("sizes");
+        // Of the sorted 0 to 1,999 place 1,997 is the third from above: 50.
+        let expected = Difference {
+            mean: (200.0 + 3.0 * 50.0 + 996.0) / 2000.0,
+            percentile_999: 50,
+            max: 200,
+        };
+        assert_eq!(found, expected);
+        assert_eq!(Difference::between(&picture, &RgbaImage::new(1, 1)), None);
+    }
+
+    #[test]
+    fn every_limit_counts() {
         let limits = Limits {
             mean: 0.5,
-            percentile_99: 8,
+            percentile_999: 8,
+            max: 30,
         };
-        let same = Difference::between(&picture, &picture).expect("sizes");
-        assert!(same.keeps(&limits) && same.max == 0);
-        assert!(
-            !Difference::between(&picture, &shifted)
-                .expect("sizes")
-                .keeps(&limits)
-        );
-        assert_eq!(Difference::between(&picture, &RgbaImage::new(1, 1)), None);
+        let within = Difference {
+            mean: 0.5,
+            percentile_999: 8,
+            max: 30,
+        };
+        assert!(within.keeps(&limits));
+        let (mut mean, mut percentile, mut max) = (within, within, within);
+        mean.mean = 0.51;
+        percentile.percentile_999 = 9;
+        max.max = 31;
+        for beyond in [mean, percentile, max] {
+            assert!(!beyond.keeps(&limits), "{beyond:?}");
+        }
     }
 }
