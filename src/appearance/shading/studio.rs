@@ -58,10 +58,12 @@ mod tests {
     #[test]
     fn the_window_gives_about_the_irradiance_that_it_is_given() {
         // Sum of radiance times solid angle over the window's plane, black surroundings and no fill.
-        let mut studio = Studio::default();
-        studio.fill_color = bevy::math::Vec4::ZERO;
-        studio.ambient_up = bevy::math::Vec4::ZERO;
-        studio.ambient_down = bevy::math::Vec4::ZERO;
+        let studio = Studio {
+            fill_color: bevy::math::Vec4::ZERO,
+            ambient_up: bevy::math::Vec4::ZERO,
+            ambient_down: bevy::math::Vec4::ZERO,
+            ..Studio::default()
+        };
         let key = xyz(studio.key_direction);
         let right = DVec3::Y.cross(key).normalize();
         let above = key.cross(right);
