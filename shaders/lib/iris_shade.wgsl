@@ -44,8 +44,8 @@ fn iris_radiance(
     shade: LidShade,
 ) -> vec3f {
     let lod = iris_level(vec2f(textureDimensions(map)), footprint, length(point), iris_width(iris));
-    // Half a level coarser, and a little less: up close that would be a tie, which devices break differently.
-    let moved = relief_march(map, polar, start, direction, lod + 0.499);
+    // The next coarser level, by its number: between two, devices break ties differently.
+    let moved = relief_march(map, polar, start, direction, ceil(lod));
     let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
     let texel = iris_texel(map, polar, place.uv, lod);
     let normal = relief_normal(map, polar, place, texel.height, footprint, lod, iris.relief);

@@ -62,9 +62,8 @@ pub fn iris_radiance(
     shade: &LidShade,
 ) -> DVec3 {
     let lod = iris_level(maps.relief.size(), footprint, point.length(), iris.width());
-    // Half a level coarser, and a little less: up close that would be a tie, which devices break
-    // differently.
-    let moved = relief_march(&maps.relief, start, direction, lod + 0.499);
+    // The next coarser level, by its number: between two, devices break ties differently.
+    let moved = relief_march(&maps.relief, start, direction, lod.ceil());
     let place = IrisPlace {
         uv: iris_step(start, moved),
         ..*start

@@ -54,14 +54,15 @@ pub fn wrapped_cosine(cosine: f64, wrap: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bevy::math::Vec4;
 
     #[test]
     fn the_window_gives_about_the_irradiance_that_it_is_given() {
         // Sum of radiance times solid angle over the window's plane, black surroundings and no fill.
         let studio = Studio {
-            fill_color: bevy::math::Vec4::ZERO,
-            ambient_up: bevy::math::Vec4::ZERO,
-            ambient_down: bevy::math::Vec4::ZERO,
+            fill_color: Vec4::ZERO,
+            ambient_up: Vec4::ZERO,
+            ambient_down: Vec4::ZERO,
             ..Studio::default()
         };
         let key = xyz(studio.key_direction);
@@ -79,7 +80,8 @@ mod tests {
             }
         }
         let irradiance = sum / (PI * f64::from(studio.key_color.x));
-        // The bars take 0.35 and the gradient a quarter, at most, of the lower half.
-        assert!((0.5..1.0).contains(&irradiance), "{irradiance}");
+        // Bars of 0.02 across panes of 0.108 and 0.15 leave 0.81 · 0.87, and the sky's fall to the
+        // window's foot a quarter less: 0.53; a window without bars would give 0.75.
+        assert!((0.5..0.56).contains(&irradiance), "{irradiance}");
     }
 }
