@@ -3,6 +3,7 @@
 mod files;
 mod measure;
 mod results;
+mod zoo;
 
 use image::{Rgb, RgbImage};
 use ocularium::anatomy::PRESETS;
