@@ -28,8 +28,6 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("tear_film", library!("tear_film")),
     ("microfacet", library!("microfacet")),
     ("output", library!("output")),
-    ("globe", library!("globe")),
-    ("slab", library!("slab")),
     ("phase", library!("phase")),
     ("layers", library!("layers")),
     ("retinal_blur", library!("retinal_blur")),

@@ -29,9 +29,3 @@ fn linear_to_srgb(linear_rgb: vec3f) -> vec3f {
     let curve = 1.055 * pow(max(rgb, vec3f(0.0031308)), vec3f(1.0 / 2.4)) - 0.055;
     return select(curve, 12.92 * rgb, rgb <= vec3f(0.0031308));
 }
-
-fn srgb_to_linear(srgb: vec3f) -> vec3f {
-    let rgb = clamp(srgb, vec3f(0.0), vec3f(1.0));
-    let curve = pow((max(rgb, vec3f(0.04045)) + 0.055) / 1.055, vec3f(2.4));
-    return select(curve, rgb / 12.92, rgb <= vec3f(0.04045));
-}

@@ -5,7 +5,7 @@
 //! In: the cosine of the angle of incidence, indices, film thickness and wavelength in nm. Out: the
 //! fraction of light reflected, 0 to 1.
 //!
-//! Twin of the interface and the single film: `shaders/lib/fresnel.wgsl`.
+//! Twin of the interface: `shaders/lib/fresnel.wgsl`; of the film in white light: [`super::tear_film`].
 
 mod stack;
 

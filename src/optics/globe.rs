@@ -7,8 +7,6 @@
 //! Globe frame: origin at the centre of rotation (the sphere's centre), y up, gaze along −z, mm.
 //! With R 7.8, p 0.75, a limbus of 5.85 and a sphere of 11.5 mm the apex stands 12.39 mm in front of
 //! the centre and the globe is 23.9 mm long, as the emmetropic eye is (Atchison 2006: 23.58).
-//!
-//! Twin: `shaders/lib/globe.wgsl`.
 
 use super::conicoid::{conicoid_intersect, conicoid_normal, conicoid_sag};
 use glam::{DVec2, DVec3};

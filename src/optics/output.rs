@@ -42,17 +42,6 @@ pub fn linear_to_srgb(linear_rgb: DVec3) -> DVec3 {
     })
 }
 
-/// Linear from sRGB-encoded, both 0 to 1 (input is clamped).
-pub fn srgb_to_linear(srgb: DVec3) -> DVec3 {
-    clamp_channels(srgb, 1.0).map(|c| {
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
-    })
-}
-
 /// Each channel clamped to 0 to `highest`; what is not a number becomes 0.
 fn clamp_channels(rgb: DVec3, highest: f64) -> DVec3 {
     rgb.map(|c| c.max(0.0).min(highest))
@@ -104,16 +93,11 @@ mod tests {
     }
 
     #[test]
-    fn srgb_has_its_published_values_and_inverts() {
+    fn srgb_has_its_published_values() {
         // IEC 61966-2-1: linear 0.5 encodes to 0.735357, 0.18 to 0.461356.
         let encoded = linear_to_srgb(DVec3::new(0.5, 0.18, 1.0));
         assert!((encoded.x - 0.735_357).abs() < 1e-6);
         assert!((encoded.y - 0.461_356).abs() < 1e-6);
         assert!((encoded.z - 1.0).abs() < 1e-15);
-        for i in 0..=255 {
-            let v = DVec3::splat(f64::from(i) / 255.0);
-            // The standard's two branches meet only to seven digits.
-            assert!(linear_to_srgb(srgb_to_linear(v)).distance(v) < 1e-7);
-        }
     }
 }

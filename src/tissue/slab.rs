@@ -1,44 +1,16 @@
 //! Light in one homogeneous layer, in closed form.
 //!
-//! In: coefficients (mm⁻¹), thickness or path (mm), cosines to the layer's normal. Out: what
-//! passes, what returns after one scattering, and what returns and passes after any number.
+//! In: coefficients (mm⁻¹), thickness (mm). Out: what returns and passes after any number of
+//! scatterings; what does after one is in [`super::layers`].
 //!
-//! [`slab_transmittance`] and [`slab_single_scatter`] have twins in `shaders/lib/slab.wgsl`, one
-//! colour a channel; stacks of layers are in [`super::layers`]. [`slab_two_flux`] is the quick
-//! multiply-scattered estimate: the two-flux equations of Kubelka & Munk with K = 2 σ_a and S = ¾
+//! [`slab_two_flux`] is the quick estimate: the two-flux equations of Kubelka & Munk with K = 2 σ_a and S = ¾
 //! σ_s′ (van Gemert & Star 1987, for σ_a ≪ σ_s′), diffuse light in and out. It is within 0.023 of
 //! the true albedo up to an optical depth of 4 (see the tests; [`super::many_flux`] is the truth);
 //! single scattering alone misses a third of a pale iris's light.
 //!
 //! Numbers are clamped as in [`super::layers`]: nothing gives a result that is not finite.
 
-use super::layers::{clamped, clamped_rgb, layer_reflect_once};
-use glam::DVec3;
-
-/// Fraction of light that passes `path` millimetres (Beer and Lambert).
-pub fn slab_transmittance(extinction: DVec3, path: f64) -> DVec3 {
-    (-clamped_rgb(extinction) * clamped(path)).exp()
-}
-
-/// π × BRDF of a layer over black for light scattered once, isotropically: light enters at `cos_in`
-/// and leaves at `cos_out` to the layer's normal.
-pub fn slab_single_scatter(
-    extinction: DVec3,
-    scattering: DVec3,
-    thickness: f64,
-    cos_in: f64,
-    cos_out: f64,
-) -> DVec3 {
-    // π times the phase function 1/(4π).
-    0.25 * layer_reflect_once(
-        DVec3::ZERO,
-        extinction,
-        scattering,
-        thickness,
-        cos_in,
-        cos_out,
-    )
-}
+use super::layers::clamped;
 
 /// Reflectance and transmittance of a layer for diffuse light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,44 +57,6 @@ pub fn slab_two_flux(absorption: f64, reduced_scattering: f64, thickness: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn transmittance_multiplies_along_a_path() {
-        let k = DVec3::new(0.0, 1.0, 7.0);
-        let (a, b) = (slab_transmittance(k, 0.3), slab_transmittance(k, 0.5));
-        assert!((a * b).distance(slab_transmittance(k, 0.8)) < 1e-15);
-        assert_eq!(a.x, 1.0);
-    }
-
-    #[test]
-    fn single_scattering_equals_a_fine_march() {
-        let (extinction, scattering) = (DVec3::new(3.0, 9.0, 0.0), DVec3::new(2.0, 8.0, 5.0));
-        let (thickness, cos_in, cos_out) = (0.4, 0.8, 0.35);
-        let steps = 4096;
-        let mut march = DVec3::ZERO;
-        for i in 0..steps {
-            let z = (f64::from(i) + 0.5) * thickness / f64::from(steps);
-            let there = slab_transmittance(extinction, z / cos_in);
-            let back = slab_transmittance(extinction, z / cos_out);
-            march += scattering * there * back * thickness / f64::from(steps);
-        }
-        // Radiance L = ∫ σ_s/(4π) E T T dz/cos_out with E = 1 across the beam; BRDF = L/cos_in.
-        let expected = march / (4.0 * cos_in * cos_out);
-        let got = slab_single_scatter(extinction, scattering, thickness, cos_in, cos_out);
-        // Midpoint rule: (k h)²/24 with k = 37, h = 1e-4.
-        assert!(((got - expected) / expected).abs().max_element() < 1e-6);
-    }
-
-    #[test]
-    fn a_deep_layer_is_chandrasekhars_single_scattering() {
-        // ω/(4 (µ + µ₀)).
-        let got = slab_single_scatter(DVec3::splat(100.0), DVec3::splat(60.0), 50.0, 0.7, 0.4).x;
-        assert!((got - 0.6 / (4.0 * 1.1)).abs() < 1e-14);
-        assert_eq!(
-            slab_single_scatter(DVec3::ONE, DVec3::ONE, 1.0, 0.0, 0.4),
-            DVec3::ZERO
-        );
-    }
 
     #[test]
     fn two_flux_has_its_textbook_limits() {
@@ -190,9 +124,6 @@ mod tests {
                     for share in [flux.reflectance, flux.transmittance] {
                         assert!((0.0..=1.0).contains(&share), "{a} {b} {c}: {flux:?}");
                     }
-                    assert!(slab_transmittance(DVec3::splat(a), b).is_finite());
-                    let (a, b) = (DVec3::splat(a), DVec3::splat(b));
-                    assert!(slab_single_scatter(a, b, c, c, 0.5).is_finite());
                 }
             }
         }

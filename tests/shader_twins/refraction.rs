@@ -1,11 +1,11 @@
-//! Where light goes: conicoid, Snell, cornea, two-point problem, caustic, globe.
+//! Where light goes: conicoid, Snell, cornea, two-point problem, caustic.
 
 use super::{SNELL_CALL, between, draw_snell, light, pass, ray, surface, v2, v3};
 use crate::gpu::Twin;
 use glam::DVec2;
 use ocularium::optics::refraction_function::domain::{RefractionEye, frame_place};
 use ocularium::optics::refraction_function::spline;
-use ocularium::optics::{caustic, conicoid, cornea, fermat, globe, snell};
+use ocularium::optics::{caustic, conicoid, cornea, fermat, snell};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -324,36 +324,5 @@ fn refraction_function() {
         absolute: 2e-5,
         relative: 0.0,
         steep_share: 0.001,
-    });
-}
-
-#[test]
-fn globe() {
-    pass(&Twin {
-        name: "globe_radius_along",
-        library: &["globe"],
-        call: "y[0] = globe_radius_along(vec3f(x[0], x[1], x[2]), x[3], vec2f(x[4], x[5]), x[6], x[7]);",
-        draw: &|rng| {
-            let eye = [
-                between(rng, 10.5, 13.0),
-                between(rng, 7.2, 8.4),
-                between(rng, 0.5, 1.0),
-                between(rng, 5.2, 6.2),
-                between(rng, 0.05, 0.3),
-            ];
-            [&super::unit(rng)[..], &eye].concat()
-        },
-        exact: &|x| {
-            vec![globe::globe_radius_along(
-                v3(x),
-                x[3],
-                v2(&x[4..]),
-                x[6],
-                x[7],
-            )]
-        },
-        absolute: 4e-6,
-        relative: 0.0,
-        steep_share: 0.0,
     });
 }
