@@ -28,7 +28,7 @@ import {
 } from "./harness.mjs";
 import { checkOwn } from "./own.mjs";
 import * as pixels from "./pixels.mjs";
-import { becomeTelephone, checkSizes, checkTouch, checkWindows, DENSITIES } from "./sizes.mjs";
+import { becomeTelephone, checkSizes, checkTelephone, checkWindows, DENSITIES } from "./sizes.mjs";
 
 // ---- The comparators can fail -------------------------------------------------------------------
 
@@ -190,7 +190,7 @@ async function checkDensity(url, { ratio, sizes, touch }) {
   const { page, complaints } = await openPage(browser, { viewport: null });
   if (touch) await becomeTelephone(page);
   await checkStart(page, `${url}#v=1&patient=healthy-blue&scene=chart`, `first live frame at ${ratio} pixels a point`);
-  if (touch && tally.failed === 0) await checkTouch(page);
+  if (touch && tally.failed === 0) await checkTelephone(page);
   if (tally.failed === 0) await checkWindows(page, ratio, sizes);
   await check(`nothing is reported in the console at ${ratio} pixels a point`, () => assert.deepEqual(complaints, []));
   await browser.close();
