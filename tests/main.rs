@@ -1,6 +1,7 @@
 //! The integration tests: one binary, so that Bevy links once.
 
 mod cli;
+mod drawn_blur;
 mod gpu;
 mod ledger;
 mod percept_gpu;

@@ -47,12 +47,16 @@ fn plates(width: u32, height: u32, seed: u64) -> GrayImage {
     image
 }
 
-fn photo_session(scene: LoadedScene, patient: PatientFile) -> Session {
+pub fn photo_session(scene: LoadedScene, patient: PatientFile) -> Session {
     Session::new(patient, scene, 5)
 }
 
 /// A photograph that fills a square view of 160 pixels, and its distances.
-fn photo(image: &DynamicImage, depth: Option<&GrayImage>, options: &PhotoOptions) -> LoadedScene {
+pub fn photo(
+    image: &DynamicImage,
+    depth: Option<&GrayImage>,
+    options: &PhotoOptions,
+) -> LoadedScene {
     let depth = depth.map(|depth| png(&DynamicImage::ImageLuma8(depth.clone())));
     let depth = depth.as_deref().map(|bytes| (bytes, "depth.png"));
     let scene = load_photo_bytes(&png(image), "photo.png", depth, options);
