@@ -38,11 +38,11 @@ async function checkSize(page, ratio, resize) {
     let wrong = "it never followed";
     await until(MOTION_LIMIT_S, async () => {
       wrong = misplaced(await readState(page), width, height);
+      const canvas = await page.evaluate(() => document.getElementById("ocularium").width);
+      if (Math.abs(canvas - width * ratio) > 2) wrong = `the canvas is ${canvas} pixels wide`;
       return wrong === null;
     });
     assert.equal(wrong, null);
-    const canvas = await page.evaluate(() => document.getElementById("ocularium").width);
-    assert(Math.abs(canvas - width * ratio) <= 2, `the canvas is ${canvas} pixels wide`);
     const drawn = await until(MOTION_LIMIT_S, async () => {
       const { panels } = await readState(page);
       const image = await screenshot(page, `size-${width}x${height}-${ratio}.png`);
