@@ -6,17 +6,17 @@ mod stars;
 
 use crate::percept_gpu::{photo, photo_session};
 use crate::stage::{look, open, patient, settle, without_blinks};
-use bevy::math::{DVec3, UVec2};
+use bevy::math::UVec2;
 use half::f16;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
 use ocularium::anatomy::{PatientFile, PupilSetting};
 use ocularium::app::SessionCommand;
 use ocularium::lab::headless::{Headless, Which};
-use ocularium::optics::output::srgb_to_linear;
 use ocularium::percept::gather::{
     View, angle_between, combined_blur, neural_blur, reference_gather, view_ray,
 };
 use ocularium::percept::gpu_data::PerceptUniform;
+use ocularium::scene::model::srgb_to_linear;
 use ocularium::scene::photo::PhotoOptions;
 
 /// Pixels along each side of the view, and of the photograph that fills it: each texel is a pixel.
@@ -58,7 +58,7 @@ impl Photograph {
     }
 
     fn linear(&self) -> Vec<f64> {
-        let radiance = |p: &Luma<u8>| srgb_to_linear(DVec3::splat(f64::from(p.0[0]) / 255.0)).y;
+        let radiance = |p: &Luma<u8>| f64::from(srgb_to_linear(p.0[0]));
         self.grey.pixels().map(radiance).collect()
     }
 
@@ -105,7 +105,7 @@ impl Photograph {
 /// Linear radiance of a grey that is shown: the output's curve is the identity below 0.6, and above
 /// it a shoulder, 1 − 0.16/(x − 0.2), of which this is the inverse.
 fn linear(code: u8) -> f64 {
-    let shown = srgb_to_linear(DVec3::splat(f64::from(code) / 255.0)).y;
+    let shown = f64::from(srgb_to_linear(code));
     if shown <= 0.6 {
         shown
     } else {
