@@ -9,3 +9,4 @@ mod render;
 mod shader_twins;
 mod shaders;
 mod stage;
+mod view_textures;

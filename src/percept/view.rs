@@ -15,13 +15,15 @@ use crate::readiness::Readiness;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::{EyePlacement, SceneModel};
 use crate::scene::photo_view::photo_images;
-use crate::scene::spawn::{SCENE_LAYER, ScenePart, ambient, spawn_model};
+use crate::scene::spawn::{SCENE_LAYER, ScenePart, ambient, anisotropy, spawn_model};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraMainTextureUsages, ClearColorConfig, Exposure, Hdr, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::renderer::RenderAdapterInfo;
 use std::sync::Arc;
+use wgpu_types::DeviceType;
 
 /// Near plane of the scene camera, m: a page held before the eye is still drawn.
 const NEAR_M: f32 = 0.02;
@@ -235,6 +237,7 @@ type OldScene = Or<(With<ScenePart>, With<SceneCamera>)>;
 pub fn load_scene(
     session: Res<Session>,
     readiness: Res<Readiness>,
+    adapter: Option<Res<RenderAdapterInfo>>,
     mut percept: ResMut<Percept>,
     old: Query<Entity, OldScene>,
     mut commands: Commands,
@@ -257,8 +260,10 @@ pub fn load_scene(
     match &*session.scene {
         LoadedScene::Model(model) => {
             percept.placement = model.eye;
+            let device = adapter.map_or(DeviceType::Other, |adapter| adapter.device_type);
             spawn_model(
                 model,
+                anisotropy(device),
                 &mut commands,
                 &mut meshes,
                 &mut materials,

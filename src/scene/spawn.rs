@@ -13,6 +13,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{
     Extent3d, Face, TextureDimension, TextureFormat, TextureUsages,
 };
+use wgpu_types::DeviceType;
 
 /// Layer of everything that is looked at.
 pub const SCENE_LAYER: usize = 31;
@@ -21,9 +22,19 @@ pub const SCENE_LAYER: usize = 31;
 #[derive(Component)]
 pub struct ScenePart;
 
-/// Spawns the whole model.
+/// How many texels along a slanted surface one look at a texture may mean on this device.
+///
+/// Mesa's software rasteriser returns texels of other places where it filters anisotropically a
+/// surface that it sees face on: a dashed line of them across a page, and strokes missing from
+/// letters. There the scene's supersampling has to do.
+pub fn anisotropy(device: DeviceType) -> u16 {
+    if device == DeviceType::Cpu { 1 } else { 8 }
+}
+
+/// Spawns the whole model; its textures are looked up with this [`anisotropy`].
 pub fn spawn_model(
     model: &SceneModel,
+    anisotropy: u16,
     commands: &mut Commands,
     meshes: &mut Assets<Mesh>,
     materials: &mut Assets<StandardMaterial>,
@@ -32,7 +43,7 @@ pub fn spawn_model(
     let textures: Vec<Handle<Image>> = model
         .textures
         .iter()
-        .map(|texture| images.add(texture_image(texture)))
+        .map(|texture| images.add(texture_image(texture, anisotropy)))
         .collect();
     let handles: Vec<Handle<StandardMaterial>> = model
         .materials
@@ -189,7 +200,7 @@ fn standard_material(material: &SceneMaterial, textures: &[Handle<Image>]) -> St
     }
 }
 
-fn texture_image(texture: &SceneTexture) -> Image {
+fn texture_image(texture: &SceneTexture, anisotropy: u16) -> Image {
     let mut data = texture.rgba8.clone();
     let mut levels = 1;
     for (_, _, level) in texture.mip_levels() {
@@ -224,7 +235,7 @@ fn texture_image(texture: &SceneTexture) -> Image {
         mag_filter: ImageFilterMode::Linear,
         min_filter: ImageFilterMode::Linear,
         mipmap_filter: ImageFilterMode::Linear,
-        anisotropy_clamp: 8,
+        anisotropy_clamp: anisotropy,
         ..default()
     });
     image
