@@ -1,6 +1,7 @@
 //! The command line.
 
 mod placement;
+mod sentences;
 mod window;
 
 use super::Session;
@@ -18,6 +19,7 @@ use bevy::math::UVec2;
 use clap::builder::PossibleValue;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use placement::{SceneUnit, Span, parse_at, parse_length, parse_span, photo_options};
+use sentences::{complain, inform, one_line, say};
 use std::error::Error;
 use std::io::{BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -260,7 +262,7 @@ pub fn run() -> ExitCode {
     match obey(cli, &matches) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("ocularium: {error}");
+            complain(&error);
             ExitCode::FAILURE
         }
     }
@@ -304,24 +306,16 @@ fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
             let patient = load_patient(&file)?;
             say(
                 &mut std::io::stdout().lock(),
-                &format!(
+                &one_line(&format!(
                     "{} is sound: {}, {} years.",
                     file.display(),
                     patient.name,
                     patient.age_years
-                ),
+                )),
             )?;
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Writes a line; a reader that has gone away is no error.
-fn say(out: &mut impl Write, line: &str) -> std::io::Result<()> {
-    match writeln!(out, "{line}") {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
-    }
 }
 
 fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
@@ -345,7 +339,7 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
     }
     let scene = source.load(&options, shown.scene_unit.map(SceneUnit::metres))?;
     for remark in scene.remarks() {
-        eprintln!("ocularium: {remark}");
+        complain(remark);
     }
     Ok(Session::new(patient, scene, shown.seed))
 }
@@ -362,10 +356,10 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
         .zip(drawn)
         .find(|(size, drawn)| *drawn && size.min_element() < 16)
     {
-        eprintln!(
-            "ocularium: --size {}x{} leaves a panel of {}x{} pixels; each panel needs at least 16x16",
+        complain(&format!(
+            "--size {}x{} leaves a panel of {}x{} pixels; each panel needs at least 16x16",
             arguments.size.x, arguments.size.y, small.0.x, small.0.y
-        );
+        ));
         return Ok(ExitCode::from(2));
     }
     let request = RenderRequest {
@@ -405,7 +399,7 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
         eprintln!();
     }
     for remark in report.remarks.iter().skip(told) {
-        eprintln!("ocularium: {remark}");
+        complain(remark);
     }
     Ok(conclude(&report, &arguments.out))
 }
@@ -414,22 +408,22 @@ fn conclude(report: &RenderReport, out: &Path) -> ExitCode {
     let pace = report
         .frame_ms_median
         .map_or_else(String::new, |ms| format!("; {ms:.0} ms a frame"));
-    eprintln!(
+    inform(&format!(
         "{} frame{}, trace.csv and report.json in {} ({}{pace})",
         report.frames,
         if report.frames == 1 { "" } else { "s" },
         out.display(),
         report.device,
-    );
+    ));
     if report.removed_frames > 0 {
-        eprintln!(
-            "ocularium: an earlier run into {} was longer; its frames beyond these were removed ({})",
+        complain(&format!(
+            "an earlier run into {} was longer; its frames beyond these were removed ({})",
             out.display(),
             report.removed_frames
-        );
+        ));
     }
     if report.interrupted {
-        eprintln!("ocularium: interrupted; what is in the folder is whole");
+        complain("interrupted; what is in the folder is whole");
         return ExitCode::from(130);
     }
     ExitCode::SUCCESS
@@ -444,7 +438,7 @@ fn measure_command(shown: &Shown, arguments: &MeasureArgs) -> Result<(), Box<dyn
     prepare_file(file)?;
     let text = measure(arguments.table, &eye)? + "\n";
     write_whole(file, text.as_bytes())?;
-    eprintln!("{} in {}", arguments.table.name(), file.display());
+    inform(&format!("{} in {}", arguments.table.name(), file.display()));
     Ok(())
 }
 
@@ -503,7 +497,7 @@ fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {
     let bytes = read_named_file(&arguments.image, "image")?;
     let picture = decode_picture(&bytes, &name, 7, Meaning::Colour)?;
     for remark in &picture.remarks {
-        eprintln!("ocularium: {remark}");
+        complain(remark);
     }
     let image = picture.image.to_rgb8();
     let grey: Vec<u8> = image

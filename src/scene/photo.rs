@@ -207,9 +207,19 @@ pub fn load_photo_bytes(
 /// Most characters of a library's message that a sentence quotes.
 const MOST_QUOTED: usize = 200;
 
+/// How libraries say that a file ends too soon.
+const CUT_OFF: [&str; 3] = [
+    "failed to fill whole buffer",
+    "unexpected end of file",
+    "could not completely read the object",
+];
+
 /// A library's message as part of a sentence: one short line, no full stop, no control characters.
 pub fn one_clause(error: &dyn std::fmt::Display) -> String {
     let text = error.to_string();
+    if CUT_OFF.contains(&text.trim_end_matches('.')) {
+        return "it is cut off: it ends before all that it announces is there".into();
+    }
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut quoted: String = line.chars().filter(|c| !c.is_control()).collect();
     if let Some((end, _)) = quoted.char_indices().nth(MOST_QUOTED) {
@@ -283,7 +293,7 @@ mod tests {
             (b"just some text".to_vec(), "no known picture format"),
             (grey_photo(1, 1, 9), "1×1"),
             (grey_photo(20_000, 16, 9), "20000×16"),
-            (grey_photo(64, 64, 9)[..60].to_vec(), "not a usable"),
+            (grey_photo(64, 64, 9)[..60].to_vec(), "cut off"),
             (grey_photo(16_384, 4_200, 9), "in all"),
         ];
         for (bytes, part) in cases {

@@ -52,6 +52,10 @@ pub fn decode_picture(
         reason,
     };
     let format = readable_format(bytes).map_err(malformed)?;
+    if let Some(announced) = png_size(bytes) {
+        // The decoder would speak of memory.
+        check_size(announced, min_side).map_err(malformed)?;
+    }
     let mut decoder = ImageReader::with_format(Cursor::new(bytes), format)
         .into_decoder()
         .map_err(|error| malformed(one_clause(&error)))?;
@@ -93,6 +97,16 @@ pub fn decode_picture(
         });
     }
     Ok(PictureFile { image, remarks })
+}
+
+/// Width and height in the header of a PNG.
+fn png_size(bytes: &[u8]) -> Option<(u32, u32)> {
+    let side = |at: usize| {
+        let four = bytes.get(at..at + 4)?;
+        Some(u32::from_be_bytes([four[0], four[1], four[2], four[3]]))
+    };
+    let is_png = bytes.starts_with(b"\x89PNG") && bytes.get(12..16) == Some(b"IHDR");
+    is_png.then(|| Some((side(16)?, side(20)?))).flatten()
 }
 
 fn check_size((width, height): (u32, u32), min_side: u32) -> Result<(), String> {

@@ -1,5 +1,6 @@
 //! The window: opened with a link or without, and opened again where the graphics device was lost.
 
+use super::sentences::complain;
 use super::{Shown, session};
 use crate::app::Session;
 use crate::app::link::LinkState;
@@ -30,9 +31,9 @@ pub(super) fn open(
             reason,
             link: Some(link),
         }) if opened.elapsed() > WORTH_ANOTHER => {
-            eprintln!(
-                "ocularium: the graphics device was lost ({reason}); the window opens again with what it showed"
-            );
+            complain(&format!(
+                "the graphics device was lost ({reason}); the window opens again with what it showed"
+            ));
             let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
             // A window cannot be opened twice in one process.
             let status = Command::new(std::env::current_exe()?)
@@ -60,7 +61,7 @@ fn requested(
     };
     let (mut start, refused) = LinkState::parse(link);
     for sentence in refused {
-        eprintln!("ocularium: {sentence}");
+        complain(&sentence);
     }
     let given = |name: &str| matches.value_source(name) == Some(ValueSource::CommandLine);
     if given("seed") {

@@ -42,7 +42,9 @@ pub(super) fn frame(scene: &SceneModel) -> EyePlacement {
 pub(super) fn odd_size(scene: &SceneModel) -> Option<String> {
     let (low, high) = scene.bounds()?;
     let widest = (0..3).map(|k| high[k] - low[k]).fold(0.0f32, f32::max);
-    let size = if widest >= 1.0 {
+    let size = if widest >= 1e6 {
+        format!("{widest:.1e} m")
+    } else if widest >= 1.0 {
         format!("{widest:.0} m")
     } else {
         format!("{:.1} mm", widest * 1e3)
