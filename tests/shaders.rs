@@ -16,7 +16,7 @@ use naga_oil::compose::{
 use ocularium::app::SessionCommand;
 use ocularium::appearance::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
 use ocularium::readiness::Readiness;
-use ocularium::shaders::{SOURCES, ShadersPlugin, Source};
+use ocularium::shaders::{LIBRARY, SOURCES, ShadersPlugin, Source};
 use std::collections::{BTreeSet, HashMap};
 
 /// What the eye's shaders take from Bevy, in as few words as they need: the real modules are
@@ -159,6 +159,105 @@ fn the_validation_can_fail() {
         "gaussian_disc_leve(sigma, taps)",
     );
     assert!(compose(&unknown, "unknown.wgsl", &[]).is_err());
+}
+
+/// Library files, and single functions, that no shader of the app calls yet: light that a shader solves
+/// itself, layers of tissue, glare, and blur that has a direction.
+const WAITING: [&str; 8] = [
+    "caustic",
+    "fermat",
+    "glare",
+    "layers",
+    "phase",
+    "refraction_function",
+    "defocus_blur_covariance",
+    "defocus_blur_ellipse",
+];
+
+/// Functions of a text, each with its own part of it, and comments left out.
+fn functions(text: &str) -> Vec<(String, String)> {
+    let code: Vec<&str> = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(""))
+        .collect();
+    let code = code.join("\n");
+    let named = |part: &str| {
+        let name: String = part
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .collect();
+        (name, part.to_owned())
+    };
+    code.split("\nfn ").skip(1).map(named).collect()
+}
+
+/// Is `name` called in this text?
+fn calls(text: &str, name: &str) -> bool {
+    text.match_indices(name).any(|(at, _)| {
+        let before = text[..at].chars().next_back();
+        let is_part = before.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        !is_part && text[at + name.len()..].starts_with('(')
+    })
+}
+
+/// The names among `library` that the texts call, directly or through one another.
+fn reached(texts: &str, library: &[(String, String)]) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![texts.to_owned()];
+    while let Some(text) = open.pop() {
+        for (name, part) in library {
+            if !found.contains(name) && calls(&text, name) {
+                found.insert(name.clone());
+                open.push(part[name.len()..].to_owned());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn library_functions_are_called_or_waiting() {
+    let entries: Vec<&str> = SOURCES.iter().flat_map(|s| s.entry).copied().collect();
+    let all: Vec<(String, String)> = LIBRARY
+        .iter()
+        .flat_map(|(_, text)| functions(text))
+        .collect();
+    let called = reached(&entries.join("\n"), &all);
+    // Directly, through another, and not at all.
+    assert!(called.contains("cornea_trace") && called.contains("snell_refract"));
+    assert!(!called.contains("glare_spread"));
+    let mut waiting = BTreeSet::new();
+    for (file, text) in LIBRARY {
+        for (name, _) in functions(text) {
+            let listed = WAITING.contains(file) || WAITING.contains(&name.as_str());
+            if !called.contains(&name) && listed {
+                waiting.insert(
+                    if WAITING.contains(file) {
+                        file
+                    } else {
+                        name.as_str()
+                    }
+                    .to_owned(),
+                );
+            } else if listed {
+                panic!("{name} of {file} is called, but listed as waiting");
+            } else if !called.contains(&name) {
+                let served = WAITING
+                    .iter()
+                    .filter_map(|wanted| LIBRARY.iter().find(|(file, _)| file == wanted));
+                let mut texts = served.map(|(_, text)| *text);
+                assert!(
+                    texts.any(|text| calls(text, &name)),
+                    "no shader calls {name} of {file}"
+                );
+            }
+        }
+    }
+    assert_eq!(
+        waiting,
+        WAITING.map(str::to_owned).into(),
+        "listed, but not there"
+    );
 }
 
 #[test]
