@@ -15,6 +15,7 @@ mod percept;
 mod refraction;
 mod shading;
 mod shading_maps;
+mod shading_skin;
 mod tissue;
 
 use glam::{DVec2, DVec3};
@@ -202,6 +203,7 @@ fn no_library_file_goes_without_a_twin() {
         include_str!("shader_twins/percept.rs"),
         include_str!("shader_twins/shading.rs"),
         include_str!("shader_twins/shading_maps.rs"),
+        include_str!("shader_twins/shading_skin.rs"),
         include_str!("shader_twins/tissue.rs"),
     ]
     .concat();
