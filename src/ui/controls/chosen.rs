@@ -104,42 +104,39 @@ fn file_name(path: &str) -> String {
 pub fn placement(ui: &mut Ui, controlled: &mut Controlled, own: &mut OwnScene) {
     match &*controlled.session.scene {
         LoadedScene::Photo(photo) => {
-            let mut wanted = (photo.depth_m.clone(), photo.vertical_fov_deg);
+            let stands = match photo.depth_m {
+                PhotoDepth::Constant(distance_m) => (Some(distance_m), photo.vertical_fov_deg),
+                PhotoDepth::Map(_) => (None, photo.vertical_fov_deg),
+            };
+            // The photograph is taken up again only when the finger or the mouse lets go; another
+            // photograph begins where it stands itself.
+            let id = egui::Id::new(("photo placement", controlled.session.scene_version));
+            let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(stands);
             let mut settled = false;
-            // The photograph is taken up again only when the finger or the mouse lets go.
-            let id = egui::Id::new("photo placement");
-            if let Some((distance_m, height_deg)) = ui.data(|data| data.get_temp::<(f32, f32)>(id))
-            {
-                if let PhotoDepth::Constant(distance) = &mut wanted.0 {
-                    *distance = distance_m;
-                }
-                wanted.1 = height_deg;
-            }
-            if let PhotoDepth::Constant(distance_m) = &mut wanted.0 {
+            // What stands elsewhere than a slider reaches stays there until it is moved.
+            let only_edits = egui::SliderClamping::Edits;
+            if let Some(distance_m) = &mut wanted.0 {
                 let slider = egui::Slider::new(distance_m, 0.1..=100.0)
                     .logarithmic(true)
+                    .clamping(only_edits)
                     .suffix(" m")
                     .text("away");
                 let slider = ui.add(slider);
                 settled |= slider.drag_stopped() || slider.lost_focus();
             }
             let slider = egui::Slider::new(&mut wanted.1, 1.0..=120.0)
+                .clamping(only_edits)
                 .suffix("°")
                 .text("high");
             let slider = ui.add(slider);
             settled |= slider.drag_stopped() || slider.lost_focus();
-            let distance_m = match wanted.0 {
-                PhotoDepth::Constant(distance_m) => distance_m,
-                PhotoDepth::Map(_) => 0.0,
-            };
-            if !settled {
-                ui.data_mut(|data| data.insert_temp(id, (distance_m, wanted.1)));
-                return;
-            }
-            ui.data_mut(|data| data.remove::<(f32, f32)>(id));
-            if (&wanted.0, wanted.1) != (&photo.depth_m, photo.vertical_fov_deg) {
+            ui.data_mut(|data| data.insert_temp(id, wanted));
+            if settled && wanted != stands {
                 let mut stood = photo.clone();
-                (stood.depth_m, stood.vertical_fov_deg) = wanted;
+                if let Some(distance_m) = wanted.0 {
+                    stood.depth_m = PhotoDepth::Constant(distance_m);
+                }
+                stood.vertical_fov_deg = wanted.1;
                 let scene = Arc::new(LoadedScene::Photo(stood));
                 controlled
                     .session_commands
