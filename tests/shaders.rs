@@ -155,8 +155,8 @@ fn the_validation_can_fail() {
     assert!(compose(&broken, "broken.wgsl", &[]).is_ok());
     assert!(compose(&broken, "broken.wgsl", &[&glaucoma]).is_err());
     let unknown = text.replace(
-        "gaussian_disc_level(sigma, taps)",
-        "gaussian_disc_leve(sigma, taps)",
+        "gaussian_disc_level(sigma, gaussian",
+        "gaussian_disc_leve(sigma, gaussian",
     );
     assert!(compose(&unknown, "unknown.wgsl", &[]).is_err());
 }

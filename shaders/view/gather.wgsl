@@ -37,18 +37,115 @@ fn nearness(tap_vergence: f32, vergence: f32) -> f32 {
     return smoothstep(0.05, 0.15, (tap_vergence - vergence) / (tap_vergence + 0.2));
 }
 
-// Weight of a tap at `distance2` for a pixel of `inverse` = 1/(2 sigma^2), whose own weight is
-// `weight`: a nearer tap reaches only as far as its own blur does.
-fn tap_weight(weight: f32, place: vec2<f32>, distance2: f32, tap_vergence: f32, vergence: f32, sigma: f32) -> f32 {
+// Share of its weight that a tap at `distance2` keeps for a pixel of this sigma: a nearer tap
+// reaches only as far as its own blur does.
+fn tap_share(place: vec2<f32>, distance2: f32, tap_vergence: f32, vergence: f32, sigma: f32) -> f32 {
     let near = nearness(tap_vergence, vergence);
     if near == 0.0 {
-        return weight;
+        return 1.0;
     }
-    let tap_sigma = clamp(0.25 * blur_at(place), 0.3, sigma);
-    return mix(weight, min(weight, exp(-0.5 * distance2 / (tap_sigma * tap_sigma))), near);
+    let tap_sigma = clamp(0.25 * blur_at(place), min(0.3, sigma), sigma);
+    let shorter = 1.0 / (tap_sigma * tap_sigma) - 1.0 / (sigma * sigma);
+    return mix(1.0, exp(-0.5 * distance2 * shorter), near);
 }
 
-// Weighted mean of the taps around a place for a blur of `sigma` pixels.
+// Where a gather stands: the place, in texels of its level, those texels, and what it is wide.
+struct Gather {
+    at: vec2<f32>,
+    texels: vec2<u32>,
+    level: f32,
+    deviation: f32,
+    pairs: u32,
+};
+
+// What was gathered, and its weight, rgb and w; and the nearest vergence among it.
+struct Gathered {
+    sum: vec4<f32>,
+    nearest: f32,
+};
+
+// Two texels in one bilinear tap: x how far it lies beyond the first, y both weights, z and w the
+// Gaussian and its factor (see `gaussian_steps`) two texels on.
+fn pair(gaussian: f32, factor: f32, fall: f32) -> vec4<f32> {
+    let first = gaussian_window(gaussian);
+    let second = gaussian * factor;
+    let both = first + gaussian_window(second);
+    let next = factor * fall;
+    return vec4<f32>(1.0 - first / max(both, 1e-20), both, second * next, next * fall);
+}
+
+// All texels alike, two by two in a tap.
+fn gather_pairs(g: Gather) -> Gathered {
+    // The pairs begin this far before the texel whose centre is at the place or before it.
+    let begin = floor(g.at) - f32(g.pairs - 1u);
+    let along_x = gaussian_steps(begin.x - g.at.x, g.deviation);
+    let along_y = gaussian_steps(begin.y - g.at.y, g.deviation);
+    let pitch = vec2<f32>(percept.size) / vec2<f32>(g.texels);
+    var out = Gathered(vec4<f32>(0.0), 0.0);
+    var first = begin;
+    var row_steps = along_y.xy;
+    for (var j = 0u; j < g.pairs; j++) {
+        let row = pair(row_steps.x, row_steps.y, along_y.z);
+        first.x = begin.x;
+        var column_steps = along_x.xy;
+        for (var i = 0u; i < g.pairs; i++) {
+            let column = pair(column_steps.x, column_steps.y, along_x.z);
+            let tap = sample_view((first + vec2<f32>(column.x, row.x) + 0.5) * pitch, g.level);
+            out.sum += row.y * column.y * vec4<f32>(tap.rgb, 1.0);
+            out.nearest = max(out.nearest, tap.a);
+            column_steps = column.zw;
+            first.x += 2.0;
+        }
+        row_steps = row.zw;
+        first.y += 2.0;
+    }
+    return out;
+}
+
+// Four taps around the place.
+fn gather_four(place: vec2<f32>, sigma: f32) -> Gathered {
+    let a = sigma * sigma;
+    var out = Gathered(vec4<f32>(0.0), 0.0);
+    for (var k = 0u; k < 4u; k++) {
+        let corner = 2.0 * vec2<f32>(f32(k & 1u), f32(k >> 1u)) - 1.0;
+        let tap = sample_view(place + a * corner, 0.0);
+        out.sum += vec4<f32>(tap.rgb, 1.0);
+        out.nearest = max(out.nearest, tap.a);
+    }
+    return out;
+}
+
+// Weight of a texel at a distance along one axis: of four taps' bilinear feet, or of the window.
+fn texel_weight(distance: f32, sigma: f32, deviation: f32) -> f32 {
+    let a = sigma * sigma;
+    let feet = max(1.0 - abs(distance - a), 0.0) + max(1.0 - abs(distance + a), 0.0);
+    let u = distance / deviation;
+    return select(gaussian_window(exp(-0.5 * u * u)), feet, sigma <= SMALL_DISC_SIGMA_PX);
+}
+
+// Every texel by itself, the nearer ones as far as their own blur reaches: a tap of two by two would
+// keep or drop a texel for its neighbour's depth.
+fn gather_apart(g: Gather, vergence: f32, sigma: f32) -> vec4<f32> {
+    let pitch = vec2<f32>(percept.size) / vec2<f32>(g.texels);
+    let begin = floor(g.at) - f32(g.pairs - 1u);
+    var sum = vec4<f32>(0.0);
+    for (var j = 0u; j < 2u * g.pairs; j++) {
+        let y = begin.y + f32(j);
+        let row = texel_weight(y - g.at.y, sigma, g.deviation);
+        for (var i = 0u; i < 2u * g.pairs; i++) {
+            let texel = vec2<f32>(begin.x + f32(i), y);
+            let off = (texel - g.at) * pitch;
+            let inside = clamp(texel, vec2<f32>(0.0), vec2<f32>(g.texels) - 1.0);
+            let one = textureLoad(view_colour, vec2<i32>(inside), i32(g.level));
+            let share = tap_share((texel + 0.5) * pitch, dot(off, off), one.a, vergence, sigma);
+            let column = texel_weight(texel.x - g.at.x, sigma, g.deviation);
+            sum += row * column * share * vec4<f32>(one.rgb, 1.0);
+        }
+    }
+    return sum;
+}
+
+// Weighted mean around a place for a blur of `sigma` pixels.
 fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
     let taps = gaussian_disc_taps(sigma, percept.max_taps);
 #ifdef COUNT_WORK
@@ -59,43 +156,28 @@ fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
     if taps == 0u {
         return centre.rgb;
     }
-    var sum = vec3<f32>(0.0);
-    var total = 0.0;
-    if taps == 4u {
-        let a = sigma * sigma;
-        for (var k = 0u; k < 4u; k++) {
-            let offset = a * (2.0 * vec2<f32>(f32(k & 1u), f32(k >> 1u)) - 1.0);
-            let tap = sample_view(place + offset, 0.0);
-            let w = tap_weight(1.0, place + offset, 2.0 * a * a, tap.a, centre.a, sigma);
-            sum += w * tap.rgb;
-            total += w;
-        }
+    var g = Gather(place - 0.5, percept.size, 0.0, 1.0, 2u);
+    var gathered: Gathered;
+    if sigma <= SMALL_DISC_SIGMA_PX {
+        gathered = gather_four(place, sigma);
     } else {
-        let level = gaussian_disc_level(sigma, taps);
-        let tap_sigma = gaussian_disc_tap_sigma(sigma, level);
-        let step2 = GAUSSIAN_DISC_RADIUS * GAUSSIAN_DISC_RADIUS * tap_sigma * tap_sigma / f32(taps);
-        // Equal areas: r^2 grows by one step a tap, so the Gaussian falls by one factor a tap.
-        let fall = exp(-0.5 * step2 / (tap_sigma * tap_sigma));
-        var weight = sqrt(fall);
-        var distance2 = 0.5 * step2;
-        var direction = vec2<f32>(1.0, 0.0);
-        for (var k = 0u; k < taps; k++) {
-            let offset = direction * sqrt(distance2);
-            let tap = sample_view(place + offset, level);
-            let w = tap_weight(weight, place + offset, distance2, tap.a, centre.a, sigma);
-            sum += w * tap.rgb;
-            total += w;
-            weight *= fall;
-            distance2 += step2;
-            direction = vec2<f32>(
-                GOLDEN_ANGLE_COS * direction.x - GOLDEN_ANGLE_SIN * direction.y,
-                GOLDEN_ANGLE_SIN * direction.x + GOLDEN_ANGLE_COS * direction.y,
-            );
-        }
+        let level = gaussian_disc_level(sigma, gaussian_disc_budget(percept.max_taps));
+        g.level = min(level, f32(textureNumLevels(view_colour) - 1u));
+        // Not asked of the texture: llvmpipe answers every pixel of a block for the level of one.
+        g.texels = max(percept.size >> vec2<u32>(u32(g.level)), vec2<u32>(1u));
+        g.at = place * vec2<f32>(g.texels) / vec2<f32>(percept.size) - 0.5;
+        g.deviation = gaussian_disc_deviation(sigma, g.level);
+        // On the last level, which a blur wider than the view asks for, every texel is the mean.
+        g.pairs = min(gaussian_disc_pairs(g.deviation), GAUSSIAN_PAIRS_MAX);
+        gathered = gather_pairs(g);
+    }
+    var sum = gathered.sum;
+    if nearness(gathered.nearest, centre.a) > 0.0 {
+        sum = gather_apart(g, centre.a, sigma);
     }
     // All taps can be nearer and sharp: then the pixel keeps its own colour.
     let own = 1e-3;
-    return (sum + own * centre.rgb) / (total + own);
+    return (sum.rgb + own * centre.rgb) / (sum.a + own);
 }
 
 // Largest blur of clearly nearer tiles around a place, as a sigma in pixels (0: none). Tiles are 16
@@ -115,12 +197,12 @@ fn near_sigma(place: vec2<f32>, vergence: f32) -> f32 {
 // Blurred nearer surfaces over the pixel's own colour: each tap spreads its light over its own
 // Gaussian, and what they cover is covered.
 fn spread_near(place: vec2<f32>, centre: vec4<f32>, own: vec3<f32>, own_sigma: f32, sigma: f32) -> vec3<f32> {
-    let taps = gaussian_disc_taps(max(sigma, 0.71), percept.max_taps);
+    let taps = spread_taps(sigma, percept.max_taps);
 #ifdef COUNT_WORK
     atomicAdd(&work[0], taps);
 #endif
-    let level = gaussian_disc_level(sigma, taps);
-    let step2 = GAUSSIAN_DISC_RADIUS * GAUSSIAN_DISC_RADIUS * sigma * sigma / f32(taps);
+    let level = spread_level(sigma, taps);
+    let step2 = SPREAD_RADIUS * SPREAD_RADIUS * sigma * sigma / f32(taps);
     var covered = vec4<f32>(0.0);
     var distance2 = 0.5 * step2;
     var direction = vec2<f32>(1.0, 0.0);

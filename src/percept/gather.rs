@@ -13,10 +13,16 @@
 //! blur), and blurred nearer surfaces are laid over what is behind them with the coverage that their
 //! own Gaussians give (near blur spreads over far sharpness).
 
-/// Radius of the tapped disc in standard deviations of the taps' Gaussian.
-pub const GAUSSIAN_DISC_RADIUS: f64 = 2.4;
-/// Variance of a Gaussian cut at that radius, over σ²: 1 − h e⁻ʰ/(1 − e⁻ʰ), h = 2.4²/2.
-pub const GAUSSIAN_DISC_TRUNCATION: f64 = 0.828_716_95;
+/// Deviations at which the window of the taps reaches zero.
+pub const GAUSSIAN_WINDOW: f64 = 3.4;
+/// The Gaussian there, which the window subtracts: e^(−3.4²/2).
+pub const GAUSSIAN_WINDOW_EDGE: f64 = 0.003_088_715_4;
+/// Variance of the windowed Gaussian, over its deviation squared.
+pub const GAUSSIAN_WINDOW_VARIANCE: f64 = 0.967_417_605;
+/// Most pairs of texels along each side.
+pub const GAUSSIAN_PAIRS_MAX: u32 = 6;
+/// Radius, in the largest σ around, within which nearer surfaces spread over farther ones.
+pub const SPREAD_RADIUS: f64 = 2.4;
 /// Largest σ (pixels) that four bilinear taps make.
 pub const SMALL_DISC_SIGMA_PX: f64 = 0.7;
 /// Blur diameter (pixels) under which a pixel is copied.
@@ -68,30 +74,68 @@ pub fn perimetric_angles(direction: [f64; 3], fixation: [f64; 3]) -> [f64; 2] {
     [x * scale, y * scale]
 }
 
-/// Taps that a blur of this σ (pixels) takes: 0 (a copy), 4, or from 20 up to `max_taps`.
+/// Weight in the window of a place where the Gaussian has this value.
+pub fn gaussian_window(gaussian: f64) -> f64 {
+    (gaussian - GAUSSIAN_WINDOW_EDGE).max(0.0)
+}
+
+/// The Gaussian of this deviation at a distance (texels), by what it is multiplied one texel
+/// further, and by what that factor is multiplied.
+pub fn gaussian_steps(distance: f64, deviation: f64) -> [f64; 3] {
+    let inverse2 = 1.0 / (deviation * deviation);
+    [0.5 * distance * distance, distance + 0.5, 1.0].map(|x| (-inverse2 * x).exp())
+}
+
+/// Deviation (texels of the level) of the window such that window and level together have
+/// `sigma_px`. A level of the mips, each the one before under (1, 3, 3, 1)/8, has the variance
+/// (4^level − 1)/4.
+pub fn gaussian_disc_deviation(sigma_px: f64, level: f64) -> f64 {
+    let inverse2 = (-2.0 * level).exp2();
+    let whole = sigma_px * sigma_px * inverse2;
+    let own = (whole - 0.25 * (1.0 - inverse2)).max(0.15 * whole);
+    (own / GAUSSIAN_WINDOW_VARIANCE).sqrt()
+}
+
+/// Pairs of texels along each side that such a window covers.
+pub fn gaussian_disc_pairs(deviation: f64) -> u32 {
+    (GAUSSIAN_WINDOW * deviation).clamp(1.0, 1e4).ceil() as u32
+}
+
+/// Mip level: the finest on which no more pairs than these are needed.
+pub fn gaussian_disc_level(sigma_px: f64, pairs: u32) -> f64 {
+    let first = (sigma_px.max(1.0).log2().floor() - 1.0).max(0.0);
+    let fits =
+        |level: &f64| gaussian_disc_pairs(gaussian_disc_deviation(sigma_px, *level)) <= pairs;
+    let levels = [first, first + 1.0, first + 2.0];
+    levels.into_iter().find(fits).unwrap_or(first + 3.0)
+}
+
+/// Pairs along each side that a budget of taps allows.
+pub fn gaussian_disc_budget(max_taps: u32) -> u32 {
+    max_taps.isqrt().clamp(4, GAUSSIAN_PAIRS_MAX)
+}
+
+/// Taps that a blur of this σ (pixels) takes: 0 (a copy), 4, or a square.
 pub fn gaussian_disc_taps(sigma_px: f64, max_taps: u32) -> u32 {
     if sigma_px < 0.25 * COPY_DIAMETER_PX {
-        0
-    } else if sigma_px <= SMALL_DISC_SIGMA_PX {
-        4
-    } else {
-        (20 + (1.5 * sigma_px).min(1e4) as u32).min(max_taps.max(20))
+        return 0;
     }
+    if sigma_px <= SMALL_DISC_SIGMA_PX {
+        return 4;
+    }
+    let level = gaussian_disc_level(sigma_px, gaussian_disc_budget(max_taps));
+    gaussian_disc_pairs(gaussian_disc_deviation(sigma_px, level)).pow(2)
 }
 
-/// Mip level whose texel is the spacing of the taps.
-pub fn gaussian_disc_level(sigma_px: f64, taps: u32) -> f64 {
-    let spacing =
-        GAUSSIAN_DISC_RADIUS * sigma_px * (std::f64::consts::PI / f64::from(taps.max(1))).sqrt();
+/// Taps with which nearer surfaces of this σ (pixels) spread over farther ones.
+pub fn spread_taps(sigma_px: f64, max_taps: u32) -> u32 {
+    (20 + (1.5 * sigma_px).min(1e4) as u32).min(max_taps.max(20))
+}
+
+/// Mip level whose texel is the spacing of those taps.
+pub fn spread_level(sigma_px: f64, taps: u32) -> f64 {
+    let spacing = SPREAD_RADIUS * sigma_px * (std::f64::consts::PI / f64::from(taps.max(1))).sqrt();
     (spacing.max(1.0).log2() + 0.6).floor().max(0.0)
-}
-
-/// σ (pixels) of the tap weights such that taps, truncation and texels together have `sigma_px`.
-pub fn gaussian_disc_tap_sigma(sigma_px: f64, level: f64) -> f64 {
-    let texel2 = (2.0 * level).exp2();
-    let texel_variance = (texel2 - 1.0) / 12.0 + texel2 / 6.0;
-    let sigma2 = sigma_px * sigma_px;
-    ((sigma2 - texel_variance).max(0.15 * sigma2) / GAUSSIAN_DISC_TRUNCATION).sqrt()
 }
 
 fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
@@ -215,7 +259,7 @@ fn spread_near(view: &View<'_>, x: usize, y: usize, own: [f64; 3]) -> [f64; 3] {
     let at = y * view.width + x;
     let vergence = f64::from(view.vergence_d[at]);
     let sigma = view.sigma_px(at).max(0.5);
-    let radius = GAUSSIAN_DISC_RADIUS * SPREAD_SIGMA_MAX_PX;
+    let radius = SPREAD_RADIUS * SPREAD_SIGMA_MAX_PX;
     let (mut covered, mut alpha) = ([0.0; 3], 0.0);
     view.around(x, y, radius, |tap, distance2| {
         let near = nearness(f64::from(view.vergence_d[tap]), vergence);

@@ -4,7 +4,7 @@
 //! back, so the counts are the same on every machine. The taps here are the most that the gather can
 //! take; the `COUNT_WORK` build of `shaders/view/gather.wgsl` counts those that it took.
 
-use super::gather::{SPREAD_SIGMA_MAX_PX, gaussian_disc_taps};
+use super::gather::{SPREAD_SIGMA_MAX_PX, gaussian_disc_budget, gaussian_disc_taps, spread_taps};
 use super::gpu_data::{PerceptUniform, mip_levels};
 
 /// Counts of one view change or one frame.
@@ -51,8 +51,15 @@ pub fn frame_work(uniform: &PerceptUniform, update: bool) -> ViewWork {
     let dark = uniform.lid_aperture <= 0.0;
     let blur_rad = uniform.coc_cap_rad.hypot(uniform.loss_blur_rad);
     let sigma = 0.25 * f64::from(blur_rad * uniform.pixels_per_radian);
-    let own = gaussian_disc_taps(sigma, uniform.max_taps);
-    let spread = gaussian_disc_taps(sigma.min(SPREAD_SIGMA_MAX_PX), uniform.max_taps);
+    // A wider blur takes fewer taps where it begins a new level: the most is the budget.
+    let own = match gaussian_disc_taps(sigma, uniform.max_taps) {
+        few @ (0 | 4) => few,
+        _ => gaussian_disc_budget(uniform.max_taps).pow(2),
+    };
+    let spread = match own {
+        0 => 0,
+        _ => spread_taps(sigma.min(SPREAD_SIGMA_MAX_PX), uniform.max_taps),
+    };
     let gathered = if dark { 0 } else { shaded };
     ViewWork {
         passes: 2 + u64::from(update),

@@ -359,38 +359,88 @@ fn sharpness_voxel_names() {
 fn gaussian_disc() {
     let sigma = |rng: &mut Pcg64| 10.0_f32.powf(between(rng, -2.0, 2.5));
     pass(&Twin {
-        name: "gaussian_disc_taps",
+        name: "gaussian_window",
         library: &["gaussian_disc"],
-        call: "y[0] = f32(gaussian_disc_taps(x[0], u32(x[1])));",
-        draw: &|rng| vec![sigma(rng), whole(rng, 128)],
-        exact: &|x| vec![f64::from(gather::gaussian_disc_taps(x[0], x[1] as u32))],
-        absolute: 0.0,
+        call: "y[0] = gaussian_window(x[0]);",
+        draw: &|rng| vec![10.0_f32.powf(between(rng, -4.0, 0.0))],
+        exact: &|x| vec![gather::gaussian_window(x[0])],
+        // One subtraction of f32.
+        absolute: 6e-8,
         relative: 0.0,
-        // Where 1.5 σ is a whole number, or the blur that of a copy.
-        steep_share: 0.001,
+        steep_share: 0.0,
     });
     pass(&Twin {
-        name: "gaussian_disc_level",
+        name: "gaussian_steps",
         library: &["gaussian_disc"],
-        call: "y[0] = gaussian_disc_level(x[0], u32(x[1]));",
-        draw: &|rng| vec![sigma(rng), whole(rng, 128)],
-        exact: &|x| vec![gather::gaussian_disc_level(x[0], x[1] as u32)],
+        call: "let s = gaussian_steps(x[0], x[1]); y[0] = s.x; y[1] = s.y; y[2] = s.z;",
+        // As far before the place as the pairs begin.
+        draw: &|rng| {
+            let deviation = between(rng, 0.7, 1.8);
+            let pairs = gather::gaussian_disc_pairs(f64::from(deviation)) as f32;
+            vec![between(rng, 0.0, 1.0) - pairs, deviation]
+        },
+        exact: &|x| gather::gaussian_steps(x[0], x[1]).to_vec(),
         absolute: 0.0,
-        relative: 0.0,
-        // Where one level ends and the next begins.
-        steep_share: 0.001,
+        // Exponents of up to 12 carry four roundings into the exponential.
+        relative: 4e-6,
+        steep_share: 0.0,
     });
     pass(&Twin {
-        name: "gaussian_disc_tap_sigma",
+        name: "gaussian_disc_deviation",
         library: &["gaussian_disc"],
-        call: "y[0] = gaussian_disc_tap_sigma(x[0], x[1]);",
+        call: "y[0] = gaussian_disc_deviation(x[0], x[1]);",
         draw: &|rng| vec![sigma(rng), whole(rng, 9)],
-        exact: &|x| vec![gather::gaussian_disc_tap_sigma(x[0], x[1])],
+        exact: &|x| vec![gather::gaussian_disc_deviation(x[0], x[1])],
         absolute: 0.0,
-        // σ² − texel² keeps at least 0.15 of σ²: seven roundings become some forty in the worst case.
+        // σ² less the level's keeps at least 0.15 of σ²: seven roundings become some forty in the
+        // worst case.
         relative: 2e-6,
         steep_share: 0.0,
     });
+    // Whole numbers: wrong only where one ends and the next begins.
+    for (name, call, exact) in [
+        (
+            "gaussian_disc_pairs",
+            "y[0] = f32(gaussian_disc_pairs(x[0]));",
+            (|x| f64::from(gather::gaussian_disc_pairs(x[0]))) as fn(&[f64]) -> f64,
+        ),
+        (
+            "gaussian_disc_level",
+            "y[0] = gaussian_disc_level(x[0], 4u + u32(x[1]) % 3u);",
+            |x| gather::gaussian_disc_level(x[0], 4 + x[1] as u32 % 3),
+        ),
+        (
+            "gaussian_disc_budget",
+            "y[0] = f32(gaussian_disc_budget(u32(x[1])));",
+            |x| f64::from(gather::gaussian_disc_budget(x[1] as u32)),
+        ),
+        (
+            "gaussian_disc_taps",
+            "y[0] = f32(gaussian_disc_taps(x[0], u32(x[1])));",
+            |x| f64::from(gather::gaussian_disc_taps(x[0], x[1] as u32)),
+        ),
+        (
+            "spread_taps",
+            "y[0] = f32(spread_taps(x[0], u32(x[1])));",
+            |x| f64::from(gather::spread_taps(x[0], x[1] as u32)),
+        ),
+        (
+            "spread_level",
+            "y[0] = spread_level(x[0], 20u + u32(x[1]));",
+            |x| gather::spread_level(x[0], 20 + x[1] as u32),
+        ),
+    ] {
+        pass(&Twin {
+            name,
+            library: &["gaussian_disc"],
+            call,
+            draw: &|rng| vec![sigma(rng), whole(rng, 128)],
+            exact: &|x| vec![exact(x)],
+            absolute: 0.0,
+            relative: 0.0,
+            steep_share: 0.001,
+        });
+    }
 }
 
 #[test]

@@ -14,71 +14,100 @@ fn sigma_is_that_of_the_disc_it_stands_for() {
 }
 
 #[test]
-fn truncation_is_the_closed_form() {
-    let h = GAUSSIAN_DISC_RADIUS.powi(2) / 2.0;
-    let expected = 1.0 - h * (-h).exp() / (1.0 - (-h).exp());
+fn the_window_is_the_closed_form() {
+    let (h, n) = (GAUSSIAN_WINDOW, 100_000);
+    assert!((GAUSSIAN_WINDOW_EDGE - (-0.5 * h * h).exp()).abs() < 1e-9);
+    let (mut weight, mut moment) = (0.0, 0.0);
+    for i in 0..n {
+        let u = (f64::from(i) + 0.5) / f64::from(n) * h;
+        let here = gaussian_window(gaussian_steps(u, 1.0)[0]);
+        weight += here;
+        moment += here * u * u;
+    }
+    let variance = moment / weight;
     assert!(
-        (GAUSSIAN_DISC_TRUNCATION - expected).abs() < 1e-7,
-        "{expected}"
+        (GAUSSIAN_WINDOW_VARIANCE - variance).abs() < 1e-7,
+        "{variance}"
     );
 }
 
-/// Variance along x and y of the kernel that the shader's taps make, at every phase: weights of the
-/// taps, and the texels' own.
-fn kernel_variance(sigma: f64, max_taps: u32) -> [f64; 2] {
-    let taps = gaussian_disc_taps(sigma, max_taps);
-    if taps == 4 {
-        return [sigma * sigma; 2];
-    }
-    let level = gaussian_disc_level(sigma, taps);
-    let tap_sigma = gaussian_disc_tap_sigma(sigma, level);
-    let step2 = (GAUSSIAN_DISC_RADIUS * tap_sigma).powi(2) / f64::from(taps);
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let (mut total, mut mean, mut moment) = (0.0, [0.0; 2], [0.0; 2]);
-    for k in 0..taps {
-        let r2 = (f64::from(k) + 0.5) * step2;
-        let w = (-0.5 * r2 / (tap_sigma * tap_sigma)).exp();
-        let (sin, cos) = (golden * f64::from(k)).sin_cos();
-        let p = [r2.sqrt() * cos, r2.sqrt() * sin];
-        total += w;
-        for i in 0..2 {
-            mean[i] += w * p[i];
-            moment[i] += w * p[i] * p[i];
+/// Levels of the mips of a row of pixels: each the one before under (1, 3, 3, 1)/8.
+fn mips(row: Vec<f64>, levels: usize) -> Vec<f64> {
+    (0..levels).fold(row, |fine, _| {
+        let at = |i: isize| fine[i.clamp(0, fine.len() as isize - 1) as usize];
+        (0..fine.len() as isize / 2)
+            .map(|i| 2 * i)
+            .map(|i| (at(i - 1) + 3.0 * at(i) + 3.0 * at(i + 1) + at(i + 2)) / 8.0)
+            .collect()
+    })
+}
+
+/// Light, centroid (pixels from the point) and variance of what a row makes of one bright pixel.
+fn drawn(sigma: f64, pairs: u32, point: usize) -> [f64; 3] {
+    let level = gaussian_disc_level(sigma, pairs);
+    let deviation = gaussian_disc_deviation(sigma, level);
+    let mut row = vec![0.0; 1024];
+    row[point] = 1.0;
+    let texels = mips(row, level as usize);
+    let reach = i64::from(gaussian_disc_pairs(deviation));
+    let mut sums = [0.0; 3];
+    for x in 0..1024_i32 {
+        let at = (f64::from(x) + 0.5) / level.exp2() - 0.5;
+        let (mut light, mut total) = (0.0, 0.0);
+        let first = at.floor() as i64 - reach + 1;
+        let [mut gaussian, mut factor, fall] = gaussian_steps(first as f64 - at, deviation);
+        for k in first..first + 2 * reach {
+            let weight = gaussian_window(gaussian);
+            gaussian *= factor;
+            factor *= fall;
+            light += weight * texels[k.clamp(0, texels.len() as i64 - 1) as usize];
+            total += weight;
         }
+        let off = f64::from(x) - point as f64;
+        (0..3).for_each(|i| sums[i] += light / total * off.powi(i as i32));
     }
-    let texel2 = (2.0 * level).exp2();
-    let texel = (texel2 - 1.0) / 12.0 + texel2 / 6.0;
-    std::array::from_fn(|i| moment[i] / total - (mean[i] / total).powi(2) + texel)
+    let centroid = sums[1] / sums[0];
+    [sums[0], centroid, sums[2] / sums[0] - centroid * centroid]
 }
 
 #[test]
-fn the_taps_have_the_variance_of_the_disc() {
+fn a_point_is_drawn_as_wide_wherever_it_lies() {
     for max_taps in [20, 48] {
-        let mut sigma = 0.13;
-        while sigma < 60.0 {
-            let [x, y] = kernel_variance(sigma, max_taps);
-            for v in [x, y] {
-                // Twenty points on a spiral are not a continuum.
-                assert!(
-                    (v.sqrt() / sigma - 1.0).abs() < 0.04,
-                    "{sigma}: {}",
-                    v.sqrt()
-                );
+        let pairs = gaussian_disc_budget(max_taps);
+        let mut worst = [0.0_f64; 3];
+        let mut sigma = 0.75;
+        while sigma < 30.0 {
+            for point in 480..512 {
+                let [light, centroid, variance] = drawn(sigma, pairs, point);
+                let off = [light - 1.0, centroid / sigma, variance.sqrt() / sigma - 1.0];
+                (0..3).for_each(|i| worst[i] = worst[i].max(off[i].abs()));
             }
             sigma *= 1.07;
         }
+        println!("{max_taps} taps: light, centroid and width off by {worst:?}");
+        // The mips keep a point's light and centroid; the window is a sum over texels in place of an
+        // integral.
+        assert!(worst[0] < 1e-12 && worst[1] < 1e-12, "{worst:?}");
+        assert!(worst[2] < 0.004, "{worst:?}");
     }
 }
 
 #[test]
-fn taps_grow_with_blur_and_stop() {
+fn taps_keep_their_budget() {
     assert_eq!(gaussian_disc_taps(0.12, 48), 0);
     assert_eq!(gaussian_disc_taps(0.13, 48), 4);
-    assert_eq!(gaussian_disc_taps(0.71, 48), 21);
-    assert_eq!(gaussian_disc_taps(10.0, 48), 35);
-    assert_eq!(gaussian_disc_taps(1e9, 48), 48);
-    assert_eq!(gaussian_disc_taps(1e9, 0), 20);
-    assert_eq!(gaussian_disc_taps(f64::INFINITY, 48), 48);
+    assert_eq!(gaussian_disc_taps(0.71, 48), 9);
+    let mut sigma = 0.71;
+    while sigma < 1e9 {
+        for (max_taps, most) in [(0, 16), (20, 16), (48, 36), (1000, 36)] {
+            let taps = gaussian_disc_taps(sigma, max_taps);
+            assert!((4..=most).contains(&taps), "{sigma}: {taps}");
+        }
+        sigma *= 1.01;
+    }
+    assert_eq!(spread_taps(6.7, 48), 30);
+    assert_eq!(spread_taps(1e9, 48), 48);
+    assert_eq!(spread_taps(1e9, 0), 20);
 }
 
 #[test]
