@@ -4,6 +4,8 @@ use super::link::LinkState;
 use super::{Session, SimulationClock, host, windowed};
 use crate::appearance::EyeOrbit;
 use crate::motion::Motion;
+use crate::scene::catalog::LoadedScene;
+use crate::scene::photo::PhotoDepth;
 use crate::ui::{UiState, session_of};
 use bevy::prelude::*;
 use wasm_bindgen::JsValue;
@@ -69,6 +71,17 @@ fn tell_page(
             ((*name).to_owned(), place)
         })
         .collect();
+    // Distance (where it has no depth of its own) and height of a photograph.
+    let photograph = match &*session.scene {
+        LoadedScene::Photo(photo) => {
+            let distance_m = match photo.depth_m {
+                PhotoDepth::Constant(distance_m) => Some(distance_m),
+                PhotoDepth::Map(_) => None,
+            };
+            serde_json::json!([distance_m, photo.vertical_fov_deg])
+        }
+        LoadedScene::Model(_) => serde_json::Value::Null,
+    };
     let state = &motion.state;
     let message = serde_json::json!({
         "time_s": clock.time_s,
@@ -82,6 +95,7 @@ fn tell_page(
         "patient": session.patient.name,
         "sphere_d": session.patient.sphere_d,
         "scene": session.scene.name(),
+        "photograph": photograph,
         "seed": session.seed.to_string(),
         "speed": clock.speed,
         "orbit": [orbit.azimuth_deg, orbit.elevation_deg, orbit.distance_mm],

@@ -24,7 +24,7 @@ pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: 
     });
     chosen::patient(ui, state, controlled);
     chosen::scene(ui, state, controlled);
-    chosen::placement(ui, controlled, own);
+    chosen::placement(ui, state, controlled, own);
     chosen::files(ui, state, controlled);
     time(ui, state, controlled);
     gaze(ui, state, controlled);

@@ -6,7 +6,6 @@ use crate::app::{Session, SessionCommand, SimulationClock};
 use crate::motion::MotionCommand;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use bevy::prelude::*;
-use std::sync::Arc;
 
 /// What the link says that the session does not hold; obeyed once when the app starts.
 #[derive(Resource, Clone, Debug, Default)]
@@ -142,15 +141,7 @@ fn obey(link: &str, state: &mut UiState, controlled: &mut Controlled, still: &mu
             .write(SessionCommand::Patient(patient));
     }
     if built_in(&controlled.session.scene) != Some(wanted.scene) {
-        match wanted.scene.build() {
-            Ok(model) => {
-                let scene = Arc::new(LoadedScene::Model(Box::new(model)));
-                controlled
-                    .session_commands
-                    .write(SessionCommand::Scene(scene));
-            }
-            Err(error) => state.message = Some(error.to_string()),
-        }
+        controlled.show_built_in(wanted.scene, state);
     }
     controlled
         .session_commands

@@ -308,6 +308,7 @@ fn draw(
 }
 
 fn style(context: &egui::Context, touch: bool) {
+    touch::take_slow_taps(context);
     context.set_visuals(egui::Visuals::dark());
     context.all_styles_mut(|style| {
         style.spacing.item_spacing = egui::vec2(6.0, if touch { 9.0 } else { 5.0 });

@@ -7,10 +7,12 @@ use crate::ledger::{Work, WorkLedger};
 use crate::motion::engine::GazeCommand;
 use crate::motion::{Motion, MotionCommand};
 use crate::percept::{Percept, ViewOptions};
+use crate::scene::catalog::{BuiltIn, LoadedScene};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::egui;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Who directs gaze.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,6 +144,22 @@ pub(super) struct Shown<'w> {
     pub(super) panels: Res<'w, Panels>,
     pub(super) orbit: Res<'w, EyeOrbit>,
     pub(super) options: Res<'w, ViewOptions>,
+}
+
+impl Controlled<'_> {
+    /// Shows a built-in scene, or tells why it cannot be built.
+    pub(super) fn show_built_in(&mut self, scene: BuiltIn, state: &mut UiState) {
+        match scene.build() {
+            Ok(model) => self.show_scene(LoadedScene::Model(Box::new(model))),
+            Err(error) => state.message = Some(error.to_string()),
+        }
+    }
+
+    /// Shows a scene.
+    pub(super) fn show_scene(&mut self, scene: LoadedScene) {
+        self.session_commands
+            .write(SessionCommand::Scene(Arc::new(scene)));
+    }
 }
 
 impl UiState {

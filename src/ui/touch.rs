@@ -4,6 +4,13 @@ use bevy::prelude::*;
 use bevy::window::RequestRedraw;
 use bevy_egui::{EguiInput, egui};
 
+/// A press is a click however long it lasted. Pressing and letting go are a frame apart at least, and a
+/// frame may take seconds: by the clock every tap of a slow machine would be a rest, which clicks
+/// nothing and keeps sliders from moving.
+pub(super) fn take_slow_taps(context: &egui::Context) {
+    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
+}
+
 /// A tap that begins and ends between two frames would never be over a button, as the pointer is gone
 /// when egui looks: it goes a frame later.
 pub(super) fn keep_short_taps(
@@ -84,11 +91,23 @@ mod tests {
 
     #[test]
     fn a_tap_presses_a_button_at_any_frame_rate() {
+        assert_eq!(clicks_of_taps(0.01, true), 4);
+        assert_eq!(clicks_of_taps(3.0, true), 4);
+        // What egui does by itself: only taps within one frame are quick enough.
+        assert_eq!(clicks_of_taps(3.0, false), 2);
+    }
+
+    /// Clicks that two taps within a frame and two over two frames make, frames taking so long.
+    fn clicks_of_taps(frame_s: f64, slow_taps: bool) -> i32 {
         let mut app = App::new();
         app.add_message::<RequestRedraw>()
             .add_systems(Update, keep_short_taps);
         let entity = app.world_mut().spawn(EguiInput::default()).id();
         let context = egui::Context::default();
+        if slow_taps {
+            take_slow_taps(&context);
+        }
+        let mut time_s = 0.0;
         let at = egui::pos2(20.0, 12.0);
         let mut clicks = 0;
         let mut frame = |events: Vec<egui::Event>| {
@@ -101,29 +120,37 @@ mod tests {
                 let place = egui::Rect::from_min_size(egui::pos2(2.0, 2.0), egui::vec2(60.0, 40.0));
                 clicks += i32::from(ui.put(place, egui::Button::new("press")).clicked());
             };
+            time_s += frame_s;
             let input = egui::RawInput {
                 screen_rect: Some(screen),
+                time: Some(time_s),
                 ..input
             };
             let _ = context.run_ui(input, &mut ui_frame);
         };
-        let tap = || {
-            let mut down_and_up = vec![egui::Event::PointerMoved(at), button(true), button(false)];
-            for event in &mut down_and_up {
-                if let egui::Event::PointerButton { pos, .. } = event {
-                    *pos = at;
-                }
+        let [mut down, mut up] = [true, false].map(button);
+        for event in [&mut down, &mut up] {
+            if let egui::Event::PointerButton { pos, .. } = event {
+                *pos = at;
             }
-            down_and_up.push(egui::Event::PointerGone);
-            // As bevy_egui ends every frame's events.
-            down_and_up.push(egui::Event::WindowFocused(true));
-            down_and_up
-        };
+        }
+        let down = vec![egui::Event::PointerMoved(at), down];
+        // As bevy_egui ends every frame's events.
+        let up = vec![
+            up,
+            egui::Event::PointerGone,
+            egui::Event::WindowFocused(true),
+        ];
         frame(Vec::new());
-        frame(tap());
-        frame(Vec::new());
-        frame(tap());
-        frame(Vec::new());
-        assert_eq!(clicks, 2);
+        for _ in 0..2 {
+            frame([down.clone(), up.clone()].concat());
+            frame(Vec::new());
+        }
+        for _ in 0..2 {
+            frame(down.clone());
+            frame(up.clone());
+            frame(Vec::new());
+        }
+        clicks
     }
 }

@@ -96,6 +96,25 @@ async function checkFiles(page) {
     });
     assert(bright, "the view is not that of a white page");
   });
+  await check("a photograph's sliders begin where it stands and move it when they are let go", async () => {
+    // Its width at 3 m and 50°, as photographs stand that say nothing else.
+    const { photograph, places } = await readState(page);
+    assert.deepEqual(photograph, [3, 50]);
+    for (const [name, index] of [["away", 0], ["high", 1]]) {
+      const [x, y, w, h] = places[name];
+      const before = (await readState(page)).photograph;
+      await page.mouse.move(x + 0.2 * w, y + h / 2);
+      await page.mouse.down();
+      await published(page, 2);
+      await page.mouse.move(x + 0.1 * w, y + h / 2, { steps: 3 });
+      await published(page, 2);
+      assert.deepEqual((await readState(page)).photograph, before, "it moved before it was let go");
+      await page.mouse.up();
+      await becomes(page, `the slider ${name}`, (s) => s.photograph[index] < 0.5 * before[index]);
+      const after = (await readState(page)).photograph;
+      assert.equal(after[1 - index], before[1 - index], "the other slider's value went with it");
+    }
+  });
   await check("a model is shown with the buffer that is dropped beside it", async () => {
     const corners = Buffer.from(new Float32Array([-1, -1, -2, 1, -1, -2, 0, 1, -2]).buffer).toString("base64");
     const model = {

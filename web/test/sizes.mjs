@@ -89,6 +89,36 @@ export async function checkWindows(page, ratio, sizes) {
   await session.detach();
 }
 
+const middle = ([x, y, w, h]) => [x + w / 2, y + h / 2];
+
+/** Fingers at `[[x, y], …]`; none lifts them. */
+async function fingers(session, type, places) {
+  const touchPoints = places.map(([x, y], id) => ({ x, y, id, radiusX: 5, radiusY: 5, force: 0.5 }));
+  await session.send("Input.dispatchTouchEvent", { type, touchPoints });
+}
+
+/** Moves fingers along straight lines, slowly enough for a frame or two between steps. */
+async function glide(page, session, from, to, steps = 4) {
+  await fingers(session, "touchStart", from);
+  await published(page, 1);
+  for (let step = 1; step <= steps; step += 1) {
+    const share = step / steps;
+    const places = from.map(([x, y], i) => [x + share * (to[i][0] - x), y + share * (to[i][1] - y)]);
+    await fingers(session, "touchMove", places);
+    await published(page, 1);
+  }
+  await fingers(session, "touchEnd", []);
+  await published(page, 2);
+}
+
+/** A tap, as short as one is (a frame may take longer) or resting for some frames. */
+async function tap(page, session, place, resting = 0) {
+  await fingers(session, "touchStart", [place]);
+  if (resting > 0) await published(page, resting);
+  await fingers(session, "touchEnd", []);
+  await published(page, 3);
+}
+
 /** Makes a page a telephone's, before it is loaded: the agent tells the app that keyboards come up. */
 export async function becomeTelephone(page) {
   const session = await page.context().newCDPSession(page);
@@ -100,21 +130,52 @@ export async function becomeTelephone(page) {
   });
 }
 
-/** A telephone's page, once it is live. */
+/** A telephone's page, once it is live, under fingers. */
 export async function checkTelephone(page) {
-  await check("a telephone begins with the pictures, and a button for fingers brings the controls", async () => {
+  const session = await page.context().newCDPSession(page);
+  await check("a telephone begins with the pictures, and a tap brings the controls", async () => {
     const [width, height] = await page.evaluate(() => [window.innerWidth, window.innerHeight]);
     const { panels, places } = await readState(page);
     assert.equal(misplaced({ panels, places }, width, height), null);
     assert(!places.speed, "the controls are there unasked");
     const share = PANELS.map((name) => panels[name]).reduce((sum, [, , w, h]) => sum + w * h, 0) / (width * height);
     assert(share > 0.75, `the pictures have ${(100 * share).toFixed(0)} % of the screen`);
-    const [x, y, w, h] = places.controls;
+    const [, , w, h] = places.controls;
     assert(w >= 40 && h >= 40, `the button is ${w}×${h} points, too small for a finger`);
-    await page.mouse.click(x + w / 2, y + h / 2);
-    const opened = await until(MOTION_LIMIT_S, async () => (await readState(page)).places.speed);
+    await tap(page, session, middle(places.controls));
+    const opened = await until(20, async () => (await readState(page)).places.speed);
     assert(opened, "the controls do not come");
     await screenshot(page, "telephone-controls.png");
     assert.equal(misplaced(await readState(page), width, height), null);
   });
+  await check("one finger turns the eye, two come nearer, and the page itself does not zoom", async () => {
+    const before = await readState(page);
+    const [x, y] = middle(before.panels.eye);
+    await glide(page, session, [[x - 60, y]], [[x + 60, y + 20]]);
+    const turned = await readState(page);
+    assert(turned.orbit[0] - before.orbit[0] > 10, `the eye turned from ${before.orbit} to ${turned.orbit}`);
+    await glide(page, session, [[x - 25, y], [x + 25, y]], [[x - 75, y], [x + 75, y]]);
+    const nearer = await readState(page);
+    assert(nearer.orbit[2] < 0.7 * turned.orbit[2], `the distance went from ${turned.orbit[2]} to ${nearer.orbit[2]} mm`);
+    assert(Math.abs(nearer.orbit[0] - turned.orbit[0]) < 8, `the pinch turned the eye by ${nearer.orbit[0] - turned.orbit[0]}°`);
+    assert.equal(await page.evaluate(() => window.visualViewport.scale), 1, "the page zoomed");
+  });
+  await check("a finger moves a slider, also one that rested first", async () => {
+    const { places, speed } = await readState(page);
+    const [x, y, w, h] = places.speed;
+    await glide(page, session, [[x + 0.3 * w, y + h / 2]], [[x + 4, y + h / 2]]);
+    const moved = (await readState(page)).speed;
+    assert(moved < 0.5 * speed, `the speed went from ${speed} to ${moved}`);
+  });
+  await check("a keyboard comes up for the seed, after a tap that rests", async () => {
+    await tap(page, session, middle((await readState(page)).places.seed), 3);
+    const focused = () => page.evaluate(() => document.activeElement.tagName);
+    const up = await until(20, async () => (await focused()) === "INPUT");
+    assert(up, `the focus is on ${await focused()}`);
+    await page.keyboard.type("42");
+    await page.keyboard.press("Enter");
+    const obeyed = await until(20, async () => /42/.test((await readState(page)).seed));
+    assert(obeyed, `the seed is ${(await readState(page)).seed}`);
+  });
+  await session.detach();
 }

@@ -7,7 +7,7 @@ use crate::anatomy::{PRESETS, load_patient};
 use crate::app::SessionCommand;
 use crate::motion::MotionCommand;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
-use crate::scene::photo::PhotoDepth;
+use crate::scene::photo::{PhotoDepth, PhotoScene};
 use bevy_egui::egui::{self, Ui};
 use std::sync::Arc;
 
@@ -84,15 +84,7 @@ pub fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         );
     }
     if let Some(scene) = chosen {
-        match scene.build() {
-            Ok(model) => {
-                let scene = Arc::new(LoadedScene::Model(Box::new(model)));
-                controlled
-                    .session_commands
-                    .write(SessionCommand::Scene(scene));
-            }
-            Err(error) => state.message = Some(error.to_string()),
-        }
+        controlled.show_built_in(scene, state);
     }
 }
 
@@ -101,46 +93,16 @@ fn file_name(path: &str) -> String {
 }
 
 /// Distance and height of a photograph, the unit of a model.
-pub fn placement(ui: &mut Ui, controlled: &mut Controlled, own: &mut OwnScene) {
-    match &*controlled.session.scene {
+pub fn placement(
+    ui: &mut Ui,
+    state: &mut UiState,
+    controlled: &mut Controlled,
+    own: &mut OwnScene,
+) {
+    match &*Arc::clone(&controlled.session.scene) {
         LoadedScene::Photo(photo) => {
-            let stands = match photo.depth_m {
-                PhotoDepth::Constant(distance_m) => (Some(distance_m), photo.vertical_fov_deg),
-                PhotoDepth::Map(_) => (None, photo.vertical_fov_deg),
-            };
-            // The photograph is taken up again only when the finger or the mouse lets go; another
-            // photograph begins where it stands itself.
-            let id = egui::Id::new(("photo placement", controlled.session.scene_version));
-            let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(stands);
-            let mut settled = false;
-            // What stands elsewhere than a slider reaches stays there until it is moved.
-            let only_edits = egui::SliderClamping::Edits;
-            if let Some(distance_m) = &mut wanted.0 {
-                let slider = egui::Slider::new(distance_m, 0.1..=100.0)
-                    .logarithmic(true)
-                    .clamping(only_edits)
-                    .suffix(" m")
-                    .text("away");
-                let slider = ui.add(slider);
-                settled |= slider.drag_stopped() || slider.lost_focus();
-            }
-            let slider = egui::Slider::new(&mut wanted.1, 1.0..=120.0)
-                .clamping(only_edits)
-                .suffix("°")
-                .text("high");
-            let slider = ui.add(slider);
-            settled |= slider.drag_stopped() || slider.lost_focus();
-            ui.data_mut(|data| data.insert_temp(id, wanted));
-            if settled && wanted != stands {
-                let mut stood = photo.clone();
-                if let Some(distance_m) = wanted.0 {
-                    stood.depth_m = PhotoDepth::Constant(distance_m);
-                }
-                stood.vertical_fov_deg = wanted.1;
-                let scene = Arc::new(LoadedScene::Photo(stood));
-                controlled
-                    .session_commands
-                    .write(SessionCommand::Scene(scene));
+            if let Some(stood) = photograph(ui, state, photo, controlled.session.scene_version) {
+                controlled.show_scene(LoadedScene::Photo(Box::new(stood)));
             }
         }
         LoadedScene::Model(_) if own.model.is_some() => {
@@ -156,6 +118,45 @@ pub fn placement(ui: &mut Ui, controlled: &mut Controlled, own: &mut OwnScene) {
         }
         LoadedScene::Model(_) => {}
     }
+}
+
+/// Where a photograph stands; the photograph anew where a slider has moved it and is let go.
+fn photograph(
+    ui: &mut Ui,
+    state: &mut UiState,
+    photo: &PhotoScene,
+    version: u64,
+) -> Option<PhotoScene> {
+    let stands = match photo.depth_m {
+        PhotoDepth::Constant(distance_m) => (Some(distance_m), photo.vertical_fov_deg),
+        PhotoDepth::Map(_) => (None, photo.vertical_fov_deg),
+    };
+    // Another photograph begins where it stands itself.
+    let id = egui::Id::new(("photo placement", version));
+    let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(stands);
+    let mut settled = false;
+    let mut slide = |name: &'static str, slider: egui::Slider| {
+        // What stands elsewhere than a slider reaches stays there until it is moved.
+        let slider = ui.add(slider.clamping(egui::SliderClamping::Edits).text(name));
+        state.places.insert(name, slider.rect);
+        settled |= slider.drag_stopped() || slider.lost_focus();
+    };
+    if let Some(distance_m) = &mut wanted.0 {
+        let slider = egui::Slider::new(distance_m, 0.1..=100.0);
+        slide("away", slider.logarithmic(true).suffix(" m"));
+    }
+    let slider = egui::Slider::new(&mut wanted.1, 1.0..=120.0);
+    slide("high", slider.suffix("°"));
+    ui.data_mut(|data| data.insert_temp(id, wanted));
+    if !settled || wanted == stands {
+        return None;
+    }
+    let mut stood = photo.clone();
+    if let Some(distance_m) = wanted.0 {
+        stood.depth_m = PhotoDepth::Constant(distance_m);
+    }
+    stood.vertical_fov_deg = wanted.1;
+    Some(stood)
 }
 
 /// Own files and the link.
