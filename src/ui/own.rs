@@ -106,3 +106,70 @@ pub(super) fn receive(
         }
     }
 }
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::*;
+    use bevy::window::FileDragAndDrop;
+    use std::path::{Path, PathBuf};
+
+    /// What is commanded, and what is said, after these files were dropped.
+    fn dropped(paths: &[PathBuf]) -> (Vec<SessionCommand>, Option<String>) {
+        let mut app = App::new();
+        app.add_plugins(TaskPoolPlugin::default())
+            .init_resource::<OwnScene>()
+            .init_resource::<UiState>()
+            .add_message::<FileDragAndDrop>()
+            .add_message::<SessionCommand>()
+            .add_message::<MotionCommand>()
+            .add_systems(Update, (drop_files, receive).chain());
+        let window = app.world_mut().spawn_empty().id();
+        for path_buf in paths.iter().cloned() {
+            app.world_mut()
+                .write_message(FileDragAndDrop::DroppedFile { window, path_buf });
+        }
+        for _ in 0..1000 {
+            app.update();
+            let commands: Vec<_> = app
+                .world_mut()
+                .resource_mut::<Messages<SessionCommand>>()
+                .drain()
+                .collect();
+            let state = app.world().resource::<UiState>();
+            let notice = state.notice.as_ref().map(|(sentence, _)| sentence.clone());
+            let said = state.message.clone().or(notice);
+            if !commands.is_empty() || said.is_some() {
+                return (commands, said);
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        panic!("nothing happened within ten seconds");
+    }
+
+    // One test: whatever arrives is for the window, and a process has one.
+    #[test]
+    fn files_that_are_dropped_are_shown_or_refused() {
+        let data = |name: &str| {
+            Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("tests/data")
+                .join(name)
+        };
+        let (commands, _) = dropped(&[data("page.png")]);
+        let [SessionCommand::Scene(scene)] = &commands[..] else {
+            panic!("{} commands", commands.len());
+        };
+        assert!(matches!(**scene, LoadedScene::Photo(_)));
+        assert_eq!(scene.name(), "page.png");
+        let folder = tempfile::tempdir().expect("a folder");
+        let patient = folder.path().join("ann.ron");
+        std::fs::write(&patient, "(name: \"Ann\", sphere_d: -2.5)").expect("written");
+        let (commands, _) = dropped(&[patient]);
+        let [SessionCommand::Patient(patient)] = &commands[..] else {
+            panic!("{} commands", commands.len());
+        };
+        assert_eq!((patient.name.as_str(), patient.sphere_d), ("Ann", -2.5));
+        let (commands, said) = dropped(&[folder.path().join("gone.png")]);
+        assert!(commands.is_empty());
+        assert!(said.is_some_and(|sentence| sentence.contains("\"gone.png\" cannot be read")));
+    }
+}

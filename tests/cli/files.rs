@@ -296,7 +296,9 @@ fn paths_need_not_be_utf_8() {
     let (patient, scene) = (odd(b"ann\xff.ron"), odd(b"page\xe9.png"));
     fs::write(&patient, "(name: \"Ann\")").expect("written");
     fs::copy(data("page.png"), &scene).expect("copied");
-    let out = odd(b"out\xfe");
+    let depth = odd(b"depth\xe9.png");
+    fs::copy(data("page.png"), &depth).expect("copied");
+    let (out, table) = (odd(b"out\xfe"), odd(b"mtf\xfe.json"));
     let run = |arguments: &[&OsStr]| {
         let mut command = program(&[]);
         let output = command.args(arguments).output().expect("it starts");
@@ -318,6 +320,8 @@ fn paths_need_not_be_utf_8() {
         patient.as_os_str(),
         plain("--scene"),
         scene.as_os_str(),
+        plain("--depth"),
+        depth.as_os_str(),
         plain("--panel"),
         plain("view"),
         plain("--size"),
@@ -328,6 +332,13 @@ fn paths_need_not_be_utf_8() {
         out.as_os_str(),
     ]);
     assert!(out.join("report.json").is_file());
+    run(&[
+        plain("measure"),
+        plain("glare"),
+        plain("--out"),
+        table.as_os_str(),
+    ]);
+    assert!(table.is_file());
     let error = program(&["check"])
         .arg(odd(b"no\xff.ron"))
         .output()
