@@ -6,6 +6,7 @@ mod gpu;
 mod ledger;
 mod percept_gpu;
 mod render;
+mod resized_view;
 mod shader_twins;
 mod shaders;
 mod stage;

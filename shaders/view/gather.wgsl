@@ -266,9 +266,21 @@ fn shown(radiance: vec3<f32>, position: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(mix(colour, vec3<f32>(0.02, 0.85, 0.25), 0.85 * marker_coverage(position)), 1.0);
 }
 
+// Where a place of the panel lies in the view. Until a panel of another shape has a view of its own,
+// the old one fills its height.
+fn view_uv(position: vec2<f32>) -> vec2<f32> {
+    let uv = position / percept.target_size;
+    let size = vec2<f32>(percept.size);
+    let wider = (percept.target_size.x * size.y) / (percept.target_size.y * size.x);
+    return vec2<f32>(select(0.5 + (uv.x - 0.5) * wider, uv.x, wider == 1.0), uv.y);
+}
+
 @fragment
 fn present(input: FullScreen) -> @location(0) vec4<f32> {
-    let uv = input.position.xy / percept.target_size;
+    let uv = view_uv(input.position.xy);
+    if abs(uv.x - 0.5) > 0.5 {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
     let open = eyelid_transmission(uv.y, percept.lid_aperture);
     var radiance = (1.0 - open) * eyelid_glow();
     if open > 0.0 {

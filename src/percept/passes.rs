@@ -17,7 +17,7 @@ use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
 use bevy::prelude::*;
 use bevy::render::extract_resource::ExtractResourcePlugin;
-use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_asset::{RenderAssets, prepare_assets};
 use bevy::render::render_resource::BindingResource::{
     self, Sampler as BindSampler, TextureView as BindView,
 };
@@ -62,7 +62,9 @@ pub fn build_render(app: &mut App, returned: PerceptReturn) {
         .add_systems(
             Render,
             (
-                prepare.in_set(RenderSystems::Prepare),
+                prepare
+                    .in_set(RenderSystems::Prepare)
+                    .after(prepare_assets::<GpuImage>),
                 collect.in_set(RenderSystems::Cleanup),
             ),
         )
@@ -74,6 +76,7 @@ pub fn build_render(app: &mut App, returned: PerceptReturn) {
 fn prepare(
     frame: Option<Res<PerceptFrame>>,
     mut gpu: ResMut<PerceptGpu>,
+    images: Res<RenderAssets<GpuImage>>,
     pipelines: Res<Pipelines>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
@@ -148,9 +151,18 @@ fn prepare(
     if frame.glaucoma.is_none() {
         gpu.field = None;
     }
-    if frame.capture.is_some() || frame.update || frame.present {
+    // Whoever lays out the window may have given the panel another size after the frame's numbers were
+    // made; its new image is empty.
+    let target = images.get(&frame.target).map_or(UVec2::ZERO, |target| {
+        let size = target.texture_descriptor.size;
+        UVec2::new(size.width, size.height)
+    });
+    gpu.target = target;
+    gpu.present = frame.present || (gpu.presented != UVec2::ZERO && gpu.presented != target);
+    if frame.capture.is_some() || frame.update || gpu.present {
         let mut uniform = frame.uniform;
         uniform.slot_mask = gpu.table.as_ref().map_or(0, |table| table.slots - 1);
+        uniform.target_size = target.as_vec2().to_array();
         if let Some(buffer) = &gpu.uniform {
             queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
             ledger.bytes_uploaded(size_of::<PerceptUniform>() as u64);
@@ -421,17 +433,19 @@ fn draw_view(
         cache: &cache,
         pipelines: &pipelines,
     };
-    show(&frame, &gpu, &images, &ledger, &mut recorder);
+    if show(&frame, &gpu, &images, &ledger, &mut recorder) {
+        gpu.presented = gpu.target;
+    }
 }
 
-/// Field update and picture of one frame.
+/// Field update and picture of one frame; says whether the picture was drawn.
 fn show(
     frame: &PerceptFrame,
     gpu: &PerceptGpu,
     images: &RenderAssets<GpuImage>,
     ledger: &WorkLedger,
     recorder: &mut Recorder<'_>,
-) {
+) -> bool {
     let glaucoma = frame.glaucoma.is_some();
     let (Some(view), Some(table), Some(uniform), Some(sampler), Some(target)) = (
         &gpu.view,
@@ -440,11 +454,11 @@ fn show(
         &gpu.sampler,
         images.get(&frame.target),
     ) else {
-        return;
+        return false;
     };
     let field = gpu.field.as_ref().map(|(_, view)| view);
     if view.size != UVec2::from(frame.uniform.size) || glaucoma != field.is_some() {
-        return;
+        return false;
     }
     let pixels = u64::from(view.size.x) * u64::from(view.size.y);
     let field_at = |at| field.map(|field| (at, BindView(field)));
@@ -469,8 +483,8 @@ fn show(
             ledger.field_pixels(pixels);
         }
     }
-    if !frame.present {
-        return;
+    if !gpu.present {
+        return false;
     }
     let mut bound = vec![
         (0, uniform.as_entire_binding()),
@@ -499,7 +513,7 @@ fn show(
         .pipelines
         .present(recorder.device, recorder.cache, glaucoma, &bound);
     let Some((pipeline, bindings)) = found else {
-        return;
+        return false;
     };
     let mut pass = recorder.encoder.begin_render_pass(&RenderPassDescriptor {
         label: Some("present"),
@@ -525,6 +539,7 @@ fn show(
     if glaucoma {
         ledger.glaucoma_passes(1);
     }
+    true
 }
 
 /// Hands finished copies to the main world.

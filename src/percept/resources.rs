@@ -40,6 +40,11 @@ pub struct PerceptGpu {
     pub(super) view: Option<View>,
     pub(super) table: Option<Table>,
     pub(super) field: Option<(u64, TextureView)>,
+    /// Is the picture drawn in this frame, how large is the panel's image, and how large was the one
+    /// that was drawn last?
+    pub(super) present: bool,
+    pub(super) target: UVec2,
+    pub(super) presented: UVec2,
     pub(super) captured: u64,
     pub(super) occupied: u32,
 }

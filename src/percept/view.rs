@@ -516,7 +516,15 @@ pub fn perceive(
     update_field_map(percept, &session, glaucoma.is_some());
 
     let size = percept.captured.size;
-    let mut uniform = static_uniform(percept, panels.view.size, &options);
+    // Until a panel of another size has its own capture, it shows the old one.
+    let stands_in = percept.stage == Stage::Wanted
+        && percept.captured.serial == percept.serial
+        && size != UVec2::ZERO
+        && size != panels.view.size
+        && !percept.forget_scene;
+    let drawn = if stands_in { size } else { panels.view.size };
+    let mut uniform = static_uniform(percept, drawn, &options);
+    uniform.target_size = panels.view.size.as_vec2().to_array();
     uniform.fixation = gaze_direction(gaze.azimuth_rad, gaze.elevation_rad);
     uniform.focus_vergence_d = lens.accommodation_d as f32;
     uniform.refraction_d = lens.spherical_equivalent_d as f32;
@@ -527,7 +535,7 @@ pub fn perceive(
     uniform.rebase_steps = rebase_steps;
     uniform.coc_cap_rad = field.blur_cap_rad as f32;
     uniform.voxel_size_m = field.voxel_m as f32;
-    if options.marker {
+    if options.marker && !stands_in {
         place_marker(&mut uniform, gaze, panels.view.size);
     }
     if glaucoma.is_some() {
@@ -567,7 +575,7 @@ pub fn perceive(
     let frame = PerceptFrame {
         visible,
         update: visible && captured && (clock.moved || first) && seeing,
-        present: visible && captured && (changed || percept.forget),
+        present: visible && (captured || stands_in) && (changed || percept.forget),
         forget: captured && percept.forget,
         uniform,
         capture,
