@@ -4,6 +4,7 @@ mod cli;
 mod drawn_blur;
 mod gpu;
 mod ledger;
+mod models_in_view;
 mod percept_gpu;
 mod render;
 mod resized_view;

@@ -73,6 +73,10 @@ pub fn build_render(app: &mut App, returned: PerceptReturn) {
 }
 
 /// Makes the lasting resources, uploads the uniform and, for a patient with glaucoma, the field.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it touches"
+)]
 fn prepare(
     frame: Option<Res<PerceptFrame>>,
     mut gpu: ResMut<PerceptGpu>,

@@ -15,7 +15,9 @@ use crate::readiness::Readiness;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::{EyePlacement, SceneModel};
 use crate::scene::photo_view::photo_images;
-use crate::scene::spawn::{SCENE_LAYER, ScenePart, ambient, anisotropy, spawn_model};
+use crate::scene::spawn::{
+    SCENE_LAYER, ScenePart, ambient, anisotropy, mean_luminance, spawn_model,
+};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraMainTextureUsages, ClearColorConfig, Exposure, Hdr, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -286,7 +288,7 @@ fn scene_camera(model: &SceneModel) -> impl Bundle {
     let background = model.background;
     // Bevy's exposure is 1 / (1.2 · 2^EV): choose it so that the picture holds luminance itself
     // over the mean, which half floats resolve.
-    let unit = model.mean_luminance_cd_m2.max(1e-3) as f32;
+    let unit = mean_luminance(model);
     let scaled = |c: f32| c / unit;
     (
         SceneCamera,

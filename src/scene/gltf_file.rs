@@ -2,39 +2,43 @@
 //!
 //! Enters: a file or its bytes. Leaves: a [`SceneModel`] in world space. Taken from the file:
 //! triangles, strips and fans of the default scene with their nodes' transforms, skins and morphs at
-//! rest, normals (flat ones where there are none, as the specification demands), the first two texture
-//! uses a material has, vertex colours, `KHR_lights_punctual`, the first perspective camera as the
-//! right eye. Emission 1 in a file is [`EMISSION_CD_M2`]. Points, lines and animations are left out.
+//! rest, normals (flat ones where there are none, as the specification demands), textures by two sets of
+//! coordinates a material, unlit materials, vertex colours, `KHR_lights_punctual`, the first perspective
+//! camera as the right eye. Emission 1 in a file is [`EMISSION_CD_M2`]. Points, lines and animations are
+//! left out.
 //!
 //! Every accessor is checked against its buffer before it is read, so that no file can cause a
 //! panic or a read beyond its data.
 
-use super::model::{EyePlacement, SceneError, SceneLight, SceneMesh, SceneModel};
+use super::model::{EyePlacement, SceneError, SceneMesh, SceneModel, UNLIT_WHITE_CD_M2};
 use super::photo::one_clause;
 use super::trace::Tracer;
 use glam::{Mat3, Mat4, Vec3};
 use gltf::accessor::Dimensions;
 use gltf::{Accessor, Document, Primitive, Semantic, buffer, mesh::Mode};
 use std::collections::{HashMap, HashSet};
-use std::f32::consts::PI;
 
 mod accessors;
 mod beside;
+mod coordinates;
 mod framing;
+mod lights;
 mod pose;
 mod refusals;
 mod surfaces;
 
 pub use beside::Beside;
 use beside::read_buffers;
+use coordinates::{Layout, UvMap};
 use framing::{frame, odd_size};
+use lights::{default_lights, read_light};
 use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
 use refusals::check_extensions;
 
 /// Largest number of triangles that is accepted.
 pub const MAX_TRIANGLES: usize = 20_000_000;
 /// Luminance of an emissive factor of 1, cd/m²: that of white in the default lights.
-pub const EMISSION_CD_M2: f32 = 150.0;
+pub const EMISSION_CD_M2: f32 = UNLIT_WHITE_CD_M2;
 
 const MAX_NODES: usize = 1_000_000;
 const MAX_NODE_DEPTH: usize = 256;
@@ -47,6 +51,8 @@ pub fn load_gltf_among(
     beside: Beside,
     unit_m: Option<f32>,
 ) -> Result<SceneModel, SceneError> {
+    // Some editors begin a file with this mark.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.is_empty() {
         return Err(SceneError::Empty {
             source_name: source_name.into(),
@@ -170,6 +176,7 @@ fn load(
         ..Default::default()
     };
     let root = Mat4::from_scale(Vec3::splat(unit_m.unwrap_or(1.0)));
+    scene.remarks = left_out(&document, name);
     let camera = walk(&document, &source, root, &mut scene)?;
     if scene.triangle_count() == 0 {
         return Err(source.content("it has no meshes with triangles"));
@@ -300,19 +307,7 @@ fn read_primitive(
         .material()
         .index()
         .unwrap_or(scene.materials.len() - 1);
-    let texture = primitive
-        .material()
-        .pbr_metallic_roughness()
-        .base_color_texture();
-    let transform = texture
-        .as_ref()
-        .and_then(|texture| texture.texture_transform());
-    let uv_set = texture.as_ref().map_or(0, |texture| {
-        let other = transform
-            .as_ref()
-            .and_then(|transform| transform.tex_coord());
-        other.unwrap_or(texture.tex_coord())
-    });
+    let layout = Layout::of(&primitive.material());
     let order: Vec<u32> = match primitive.indices() {
         Some(accessor) => accessors::read_indices(source, &accessor)?,
         None => (0..positions.len() as u32).collect(),
@@ -321,15 +316,20 @@ fn read_primitive(
         .get(&Semantic::Normals)
         .map(|accessor| accessors::read::<3>(source, &accessor, "normals", true))
         .transpose()?;
-    let mut uvs = primitive
-        .get(&Semantic::TexCoords(uv_set))
-        .map(|accessor| {
-            accessors::read::<2>(source, &accessor, "texture coordinates", !source.quantised)
-        })
-        .transpose()?;
-    if let (Some(uvs), Some(transform)) = (&mut uvs, &transform) {
-        move_uvs(uvs, transform);
-    }
+    let coordinates = |map: UvMap| -> Result<Option<Vec<[f32; 2]>>, SceneError> {
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(map.set)) else {
+            return Ok(None);
+        };
+        let mut uvs =
+            accessors::read::<2>(source, &accessor, "texture coordinates", !source.quantised)?;
+        map.apply(&mut uvs);
+        Ok(Some(uvs))
+    };
+    let uvs = coordinates(layout.first)?;
+    let second_uvs = match layout.second {
+        Some(map) => coordinates(map)?.or_else(|| Some(vec![[0.0; 2]; positions.len()])),
+        None => None,
+    };
     let colors = primitive
         .get(&Semantic::Colors(0))
         .map(|accessor| read_colors(source, &accessor))
@@ -350,6 +350,7 @@ fn read_primitive(
     let mut mesh = SceneMesh {
         name: name.into(),
         uvs: uvs.or_else(|| textured.then(|| vec![[0.0; 2]; positions.len()])),
+        second_uvs,
         colors,
         normals: vec![[0.0, 1.0, 0.0]; positions.len()],
         indices: triangles(primitive.mode(), &order),
@@ -372,16 +373,6 @@ fn read_colors(source: &Source, accessor: &Accessor) -> Result<Vec<[f32; 4]>, Sc
         return Ok(rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect());
     }
     accessors::read::<4>(source, accessor, "colours", true)
-}
-
-/// `KHR_texture_transform`: scale, then rotation (counter-clockwise in the picture), then offset.
-fn move_uvs(uvs: &mut [[f32; 2]], transform: &gltf::texture::TextureTransform) {
-    let (sin, cos) = transform.rotation().sin_cos();
-    let (offset, scale) = (transform.offset(), transform.scale());
-    for uv in uvs {
-        let [u, v] = [uv[0] * scale[0], uv[1] * scale[1]];
-        *uv = [cos * u + sin * v + offset[0], cos * v - sin * u + offset[1]];
-    }
 }
 
 /// Strips and fans as separate triangles; a trailing incomplete one is dropped.
@@ -429,6 +420,7 @@ fn place(mesh: &mut SceneMesh, normals: Option<Vec<[f32; 3]>>, world: Mat4) {
         let pick2 = |all: &Vec<[f32; 2]>| order.iter().map(|&i| all[i as usize]).collect();
         let pick4 = |all: &Vec<[f32; 4]>| order.iter().map(|&i| all[i as usize]).collect();
         mesh.uvs = mesh.uvs.as_ref().map(pick2);
+        mesh.second_uvs = mesh.second_uvs.as_ref().map(pick2);
         mesh.colors = mesh.colors.as_ref().map(pick4);
         mesh.indices = (0..order.len() as u32).collect();
         return;
@@ -476,51 +468,29 @@ fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
     })
 }
 
-/// A key light over the viewer's left shoulder and light from everywhere; white is about
-/// [`EMISSION_CD_M2`].
-fn default_lights(eye: &EyePlacement) -> Vec<SceneLight> {
-    let (forward, up) = (Vec3::from(eye.forward), Vec3::from(eye.up));
-    let direction = forward + 0.6 * forward.cross(up) - 0.9 * up;
-    vec![
-        SceneLight::Directional {
-            direction: direction.normalize().into(),
-            color: [1.0, 0.97, 0.92],
-            illuminance_lux: 400.0,
-            shadows: true,
-        },
-        SceneLight::Ambient {
-            color: [0.92, 0.96, 1.0],
-            brightness: 60.0,
-        },
-    ]
-}
-
-/// A light of `KHR_lights_punctual`: candela for points, lux for the sun. A spot shines all
-/// around, with the intensity of its axis.
-fn read_light(light: &gltf::khr_lights_punctual::Light, world: Mat4) -> Option<SceneLight> {
-    use gltf::khr_lights_punctual::Kind;
-    let (color, intensity) = (light.color(), light.intensity());
-    let is_usable =
-        intensity.is_finite() && intensity >= 0.0 && color.iter().all(|c| c.is_finite());
-    match light.kind() {
-        _ if !is_usable => None,
-        Kind::Directional => Some(SceneLight::Directional {
-            direction: (-world.z_axis.truncate()).try_normalize()?.into(),
-            color,
-            illuminance_lux: intensity,
-            shadows: true,
-        }),
-        Kind::Point | Kind::Spot { .. } => Some(SceneLight::Point {
-            position: world.w_axis.truncate().into(),
-            color,
-            intensity_lm: intensity * 4.0 * PI,
-            range: light
-                .range()
-                .filter(|r| r.is_finite() && *r > 0.0)
-                .unwrap_or(100.0),
-            shadows: false,
-        }),
+/// What of a file is not shown as it is meant, one sentence each.
+fn left_out(document: &Document, name: &str) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if document.animations().next().is_some() {
+        remarks.push(format!(
+            "\"{name}\": its animations are not played; it rests."
+        ));
     }
+    let is_spot = |light: gltf::khr_lights_punctual::Light| {
+        matches!(light.kind(), gltf::khr_lights_punctual::Kind::Spot { .. })
+    };
+    if document.lights().into_iter().flatten().any(is_spot) {
+        remarks.push(format!(
+            "\"{name}\": its spot lights shine all around, without their cones."
+        ));
+    }
+    if let Some(material) = document.materials().find(|m| Layout::of(m).too_many) {
+        remarks.push(format!(
+            "\"{name}\": the textures of material \"{}\" lie in three or more ways; the third lies as the first.",
+            one_clause(&material.name().unwrap_or("unnamed"))
+        ));
+    }
+    remarks
 }
 
 #[cfg(test)]

@@ -41,6 +41,8 @@ pub struct SceneMesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates, v down as in glTF; present whenever the material has a texture.
     pub uvs: Option<Vec<[f32; 2]>>,
+    /// The coordinates of those textures that lie otherwise ([`SceneMaterial::on_second_uvs`]).
+    pub second_uvs: Option<Vec<[f32; 2]>>,
     /// Linear RGBA that multiplies the base colour; the built-in scenes carry baked ambient
     /// occlusion here.
     pub colors: Option<Vec<[f32; 4]>>,
@@ -60,6 +62,20 @@ pub enum Alpha {
     Mask(f32),
     /// Blended over what is behind.
     Blend,
+}
+
+/// Luminance of an unlit white, cd/m²: of white paper in a room lit by the usual lights.
+pub const UNLIT_WHITE_CD_M2: f32 = 150.0;
+
+/// Which textures lie by [`SceneMesh::second_uvs`]; a base colour always lies by the first.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct OnSecondUvs {
+    /// The emissive texture.
+    pub emissive: bool,
+    /// The texture of metallic and roughness.
+    pub metallic_roughness: bool,
+    /// The normal map.
+    pub normal: bool,
 }
 
 /// A metallic-roughness surface.
@@ -83,6 +99,10 @@ pub struct SceneMaterial {
     pub metallic_roughness_texture: Option<usize>,
     /// Index of a linear tangent-space normal map, y up as in glTF.
     pub normal_texture: Option<usize>,
+    /// Which of the textures have coordinates of their own.
+    pub on_second_uvs: OnSecondUvs,
+    /// Shines by itself with its base colour, white being [`UNLIT_WHITE_CD_M2`], and in no other light.
+    pub unlit: bool,
     /// Treatment of alpha.
     pub alpha: Alpha,
     /// Whether back faces are drawn too.
@@ -101,10 +121,24 @@ impl Default for SceneMaterial {
             emissive_texture: None,
             metallic_roughness_texture: None,
             normal_texture: None,
+            on_second_uvs: OnSecondUvs::default(),
+            unlit: false,
             alpha: Alpha::Opaque,
             double_sided: false,
         }
     }
+}
+
+/// What lies beyond the edge of an image.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The edge's own texels.
+    #[default]
+    Clamp,
+    /// The image again.
+    Repeat,
+    /// The image again, every other time mirrored.
+    Mirror,
 }
 
 /// An 8-bit image.
@@ -118,8 +152,8 @@ pub struct SceneTexture {
     pub rgba8: Vec<u8>,
     /// Whether the colour channels are sRGB-encoded (alpha never is).
     pub srgb: bool,
-    /// Whether coordinates outside 0–1 repeat the image (else the edge is extended).
-    pub repeat: bool,
+    /// What coordinates outside 0–1 show, along u and v.
+    pub wrap: [Wrap; 2],
 }
 
 impl SceneTexture {
@@ -307,7 +341,10 @@ impl SceneMesh {
             ));
         }
         if self.normals.len() != count
-            || self.uvs.as_ref().is_some_and(|uvs| uvs.len() != count)
+            || [&self.uvs, &self.second_uvs]
+                .into_iter()
+                .flatten()
+                .any(|uvs| uvs.len() != count)
             || self.colors.as_ref().is_some_and(|c| c.len() != count)
         {
             return Some(format!(
@@ -332,7 +369,7 @@ impl SceneMesh {
                 "mesh \"{name}\" has an incomplete triangle or no material"
             ));
         }
-        let coordinates = self.uvs.iter().flatten().flatten();
+        let coordinates = self.uvs.iter().chain(&self.second_uvs).flatten().flatten();
         let colors = self.colors.iter().flatten().flatten();
         if coordinates.chain(colors).any(|value| !value.is_finite()) {
             return Some(format!(
@@ -481,7 +518,7 @@ mod tests {
             height: 1,
             rgba8: vec![0, 0, 0, 255, 255, 255, 255, 255],
             srgb: true,
-            repeat: false,
+            wrap: [Wrap::Clamp; 2],
         };
         let levels = texture.mip_levels();
         assert_eq!(levels.len(), 1);

@@ -4,7 +4,7 @@
 //! [`SceneTexture`]. Noise is value noise on an integer hash, so a seed gives the same texels on
 //! every machine.
 
-use super::model::{SceneTexture, srgb_to_linear};
+use super::model::{SceneTexture, Wrap, srgb_to_linear};
 
 /// An sRGB-encoded colour from `0xRRGGBB`, 0–1.
 pub fn hex(code: u32) -> [f32; 3] {
@@ -207,7 +207,7 @@ impl Canvas {
                 .map(|&value| byte(value))
                 .collect(),
             srgb: true,
-            repeat,
+            wrap: [if repeat { Wrap::Repeat } else { Wrap::Clamp }; 2],
         }
     }
 }

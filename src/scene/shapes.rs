@@ -359,6 +359,7 @@ impl Shape {
     /// The finished mesh.
     pub fn mesh(self, name: &str, material: usize) -> SceneMesh {
         SceneMesh {
+            second_uvs: None,
             name: name.into(),
             positions: self.positions.into_iter().map(Into::into).collect(),
             normals: self.normals.into_iter().map(Into::into).collect(),

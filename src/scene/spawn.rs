@@ -3,12 +3,15 @@
 //! Enters: [`SceneModel`] (world metres, absolute photometry). Leaves: meshes
 //! with standard materials and lights that only the view's camera sees.
 
-use super::model::{Alpha, SceneLight, SceneMaterial, SceneMesh, SceneModel, SceneTexture};
+use super::model::{
+    Alpha, OnSecondUvs, SceneLight, SceneMaterial, SceneMesh, SceneModel, SceneTexture,
+    UNLIT_WHITE_CD_M2, Wrap,
+};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLight, PointLight};
-use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::mesh::{Indices, PrimitiveTopology, UvChannel};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     Extent3d, Face, TextureDimension, TextureFormat, TextureUsages,
@@ -45,16 +48,18 @@ pub fn spawn_model(
         .iter()
         .map(|texture| images.add(texture_image(texture, anisotropy)))
         .collect();
+    let mean = mean_luminance(model);
     let handles: Vec<Handle<StandardMaterial>> = model
         .materials
         .iter()
-        .map(|material| materials.add(standard_material(material, &textures)))
+        .map(|material| materials.add(standard_material(material, &textures, mean)))
         .collect();
     for mesh in &model.meshes {
-        let with_normal_map = model.materials[mesh.material].normal_texture.is_some();
+        let material = &model.materials[mesh.material];
+        let normal_map = material.normal_texture.map(|_| &material.on_second_uvs);
         commands.spawn((
             ScenePart,
-            Mesh3d(meshes.add(bevy_mesh(mesh, with_normal_map))),
+            Mesh3d(meshes.add(bevy_mesh(mesh, normal_map))),
             MeshMaterial3d(handles[mesh.material].clone()),
             NoFrustumCulling,
             RenderLayers::layer(SCENE_LAYER),
@@ -141,7 +146,12 @@ fn linear(color: [f32; 3]) -> Color {
     Color::linear_rgb(color[0], color[1], color[2])
 }
 
-fn bevy_mesh(mesh: &SceneMesh, with_normal_map: bool) -> Mesh {
+/// Mean luminance of the view, cd/m², over which the scene's picture is drawn.
+pub fn mean_luminance(model: &SceneModel) -> f32 {
+    model.mean_luminance_cd_m2.max(1e-3) as f32
+}
+
+fn bevy_mesh(mesh: &SceneMesh, normal_map: Option<&OnSecondUvs>) -> Mesh {
     let count = mesh.positions.len();
     // Every mesh has the same attributes, so that one pipeline draws them all.
     let mut out = Mesh::new(
@@ -159,20 +169,62 @@ fn bevy_mesh(mesh: &SceneMesh, with_normal_map: bool) -> Mesh {
         mesh.colors.clone().unwrap_or_else(|| vec![[1.0; 4]; count]),
     )
     .with_inserted_indices(Indices::U32(mesh.indices.clone()));
-    if with_normal_map && let Err(error) = out.generate_tangents() {
-        warn!(
+    let Some(on_second) = normal_map else {
+        return with_second_uvs(out, mesh);
+    };
+    // Tangents are those of the map's own coordinates.
+    let mut laid = out.clone();
+    if let (true, Some(uvs)) = (on_second.normal, &mesh.second_uvs) {
+        laid.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs.clone());
+    }
+    match laid.generate_tangents() {
+        Ok(()) => {
+            if let Some(tangents) = laid.remove_attribute(Mesh::ATTRIBUTE_TANGENT) {
+                out.insert_attribute(Mesh::ATTRIBUTE_TANGENT, tangents);
+            }
+        }
+        Err(error) => warn!(
             "mesh {:?} is drawn without its normal map: {error}",
             mesh.name
-        );
+        ),
+    }
+    with_second_uvs(out, mesh)
+}
+
+fn with_second_uvs(mut out: Mesh, mesh: &SceneMesh) -> Mesh {
+    if let Some(uvs) = &mesh.second_uvs {
+        out.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs.clone());
     }
     out
 }
 
-fn standard_material(material: &SceneMaterial, textures: &[Handle<Image>]) -> StandardMaterial {
+fn standard_material(
+    material: &SceneMaterial,
+    textures: &[Handle<Image>],
+    mean_cd_m2: f32,
+) -> StandardMaterial {
     let texture = |index: Option<usize>| index.and_then(|index| textures.get(index).cloned());
     let [r, g, b, a] = material.base_color;
+    // Bevy shows an unlit colour as it is, without exposure; the picture holds luminance over its mean.
+    let unlit = if material.unlit {
+        UNLIT_WHITE_CD_M2 / mean_cd_m2
+    } else {
+        1.0
+    };
+    let channel = |second: bool| {
+        if second {
+            UvChannel::Uv1
+        } else {
+            UvChannel::Uv0
+        }
+    };
+    let on_second = material.on_second_uvs;
     StandardMaterial {
-        base_color: Color::linear_rgba(r, g, b, a),
+        base_color: Color::linear_rgba(unlit * r, unlit * g, unlit * b, a),
+        unlit: material.unlit,
+        emissive_channel: channel(on_second.emissive),
+        metallic_roughness_channel: channel(on_second.metallic_roughness),
+        normal_map_channel: channel(on_second.normal),
         base_color_texture: texture(material.base_color_texture),
         emissive: LinearRgba::rgb(
             material.emissive[0],
@@ -224,14 +276,14 @@ fn texture_image(texture: &SceneTexture, anisotropy: u16) -> Image {
     image.data = Some(data);
     image.texture_descriptor.mip_level_count = levels;
     image.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
-    let address = if texture.repeat {
-        ImageAddressMode::Repeat
-    } else {
-        ImageAddressMode::ClampToEdge
-    };
+    let address = texture.wrap.map(|wrap| match wrap {
+        Wrap::Clamp => ImageAddressMode::ClampToEdge,
+        Wrap::Repeat => ImageAddressMode::Repeat,
+        Wrap::Mirror => ImageAddressMode::MirrorRepeat,
+    });
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
-        address_mode_u: address,
-        address_mode_v: address,
+        address_mode_u: address[0],
+        address_mode_v: address[1],
         mag_filter: ImageFilterMode::Linear,
         min_filter: ImageFilterMode::Linear,
         mipmap_filter: ImageFilterMode::Linear,

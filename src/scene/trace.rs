@@ -6,7 +6,9 @@
 //! and ambient light (see [`SceneLight`] for the units). Triangles are intersected as in Möller
 //! and Trumbore 1997, inside a median-split bounding volume hierarchy.
 
-use super::model::{Alpha, SceneLight, SceneModel, luminance, srgb_to_linear};
+use super::model::{
+    Alpha, SceneLight, SceneModel, UNLIT_WHITE_CD_M2, Wrap, luminance, srgb_to_linear,
+};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -136,22 +138,29 @@ impl<'a> Tracer<'a> {
         std::array::from_fn(|i| at(0, i) * (1.0 - b - c) + at(1, i) * b + at(2, i) * c)
     }
 
-    fn sample(&self, hit: &Hit, texture: Option<usize>) -> [f32; 4] {
+    fn sample(&self, hit: &Hit, texture: Option<usize>, on_second: bool) -> [f32; 4] {
         let mesh = &self.scene.meshes[hit.mesh];
-        let (Some(index), Some(uvs)) = (texture, &mesh.uvs) else {
+        let uvs = if on_second {
+            &mesh.second_uvs
+        } else {
+            &mesh.uvs
+        };
+        let (Some(index), Some(uvs)) = (texture, uvs) else {
             return [1.0; 4];
         };
         let texture = &self.scene.textures[index];
         let [u, v] = self.interpolate(hit, uvs);
-        let texel = |coordinate: f32, size: u32| {
-            let wrapped = if texture.repeat {
-                coordinate.rem_euclid(1.0)
-            } else {
-                coordinate
+        let texel = |coordinate: f32, size: u32, wrap: Wrap| {
+            let wrapped = match wrap {
+                Wrap::Clamp => coordinate,
+                Wrap::Repeat => coordinate.rem_euclid(1.0),
+                Wrap::Mirror => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
             };
             ((wrapped * size as f32).max(0.0) as u32).min(size - 1)
         };
-        let at = (texel(v, texture.height) * texture.width + texel(u, texture.width)) as usize * 4;
+        let row = texel(v, texture.height, texture.wrap[1]);
+        let column = texel(u, texture.width, texture.wrap[0]);
+        let at = (row * texture.width + column) as usize * 4;
         let alpha = f32::from(texture.rgba8[at + 3]) / 255.0;
         let [r, g, b] = [0, 1, 2].map(|k| srgb_to_linear(texture.rgba8[at + k]));
         [r, g, b, alpha]
@@ -165,7 +174,7 @@ impl<'a> Tracer<'a> {
             .colors
             .as_ref()
             .map_or([1.0; 4], |c| self.interpolate(hit, c));
-        let texel = self.sample(hit, material.base_color_texture);
+        let texel = self.sample(hit, material.base_color_texture, false);
         std::array::from_fn(|i| material.base_color[i] * texel[i] * color[i])
     }
 
@@ -183,9 +192,13 @@ impl<'a> Tracer<'a> {
             facing
         };
         let point = origin + direction * hit.distance_m + normal * 2e-3;
-        let light = self.arriving(point, normal);
         let albedo = self.albedo(&hit);
-        let glow = self.sample(&hit, material.emissive_texture);
+        if material.unlit {
+            return std::array::from_fn(|i| albedo[i] * UNLIT_WHITE_CD_M2);
+        }
+        let light = self.arriving(point, normal);
+        let on_second = material.on_second_uvs.emissive;
+        let glow = self.sample(&hit, material.emissive_texture, on_second);
         std::array::from_fn(|i| albedo[i] * light[i] + material.emissive[i] * glow[i])
     }
 

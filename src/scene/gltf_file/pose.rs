@@ -45,35 +45,44 @@ pub(super) fn skin_vertices(
     positions: &mut [[f32; 3]],
     normals: Option<&mut Vec<[f32; 3]>>,
 ) -> Result<bool, SceneError> {
-    let (Some(held), Some(weights)) = (
-        primitive.get(&Semantic::Joints(0)),
-        primitive.get(&Semantic::Weights(0)),
-    ) else {
-        return Ok(false);
-    };
-    let held = accessors::read::<4>(source, &held, "joints", false)?;
-    let weights = accessors::read::<4>(source, &weights, "weights", true)?;
-    if held.len() != positions.len() || weights.len() != positions.len() {
-        return Err(
-            source.malformed("a mesh has other numbers of joints and weights than of vertices")
-        );
+    let mut matrices = vec![Mat4::ZERO; positions.len()];
+    let mut sums = vec![0.0_f32; positions.len()];
+    let mut skinned = false;
+    // Four joints a set; exporters write as many sets as they need.
+    for set in 0.. {
+        let (Some(held), Some(weights)) = (
+            primitive.get(&Semantic::Joints(set)),
+            primitive.get(&Semantic::Weights(set)),
+        ) else {
+            break;
+        };
+        skinned = true;
+        let held = accessors::read::<4>(source, &held, "joints", false)?;
+        let weights = accessors::read::<4>(source, &weights, "weights", true)?;
+        if held.len() != positions.len() || weights.len() != positions.len() {
+            return Err(
+                source.malformed("a mesh has other numbers of joints and weights than of vertices")
+            );
+        }
+        for (vertex, (held, weights)) in held.iter().zip(&weights).enumerate() {
+            for (&joint, &weight) in held.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
+                let Some(&matrix) = joints.get(joint as usize) else {
+                    return Err(source.malformed(format!(
+                        "vertex {vertex} of a mesh is held by joint {joint}, of which there are {}",
+                        joints.len()
+                    )));
+                };
+                matrices[vertex] += matrix * weight;
+                sums[vertex] += weight;
+            }
+        }
     }
-    let matrices: Vec<Mat4> = held
-        .iter()
-        .zip(&weights)
-        .map(|(held, weights)| {
-            let sum: f32 = weights.iter().sum();
-            let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-            let parts = held.iter().zip(weights).map(|(&joint, &weight)| {
-                let matrix = joints
-                    .get(joint as usize)
-                    .copied()
-                    .unwrap_or(Mat4::IDENTITY);
-                matrix * (weight * share)
-            });
-            parts.fold(Mat4::ZERO, |sum, part| sum + part)
-        })
-        .collect();
+    if !skinned {
+        return Ok(false);
+    }
+    for (matrix, sum) in matrices.iter_mut().zip(sums) {
+        *matrix *= if sum > 0.0 { 1.0 / sum } else { 0.0 };
+    }
     for (position, matrix) in positions.iter_mut().zip(&matrices) {
         *position = matrix.transform_point3((*position).into()).into();
     }

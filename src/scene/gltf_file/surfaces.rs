@@ -1,7 +1,8 @@
 //! Materials and textures of a glTF file.
 
-use super::super::model::{Alpha, SceneError, SceneMaterial, SceneTexture};
+use super::super::model::{Alpha, SceneError, SceneMaterial, SceneTexture, Wrap};
 use super::super::picture_file::{Meaning, decode_picture};
+use super::coordinates::Layout;
 use super::{EMISSION_CD_M2, Source};
 use gltf::texture::WrappingMode;
 use gltf::{Document, Texture, image};
@@ -10,11 +11,11 @@ use std::collections::HashMap;
 /// Largest sum of texels over all textures: 1 GiB as RGBA.
 const MAX_TOTAL_TEXELS: u64 = 256 << 20;
 
-/// Textures read so far, by image, encoding and wrapping.
+/// Textures read so far, by image, encoding and what lies beyond their edges.
 #[derive(Default)]
 struct Shelf {
     textures: Vec<SceneTexture>,
-    place: HashMap<(usize, bool, bool), usize>,
+    place: HashMap<(usize, bool, [Wrap; 2]), usize>,
     texels: u64,
 }
 
@@ -70,6 +71,8 @@ fn read_material(
             }
             gltf::material::AlphaMode::Blend => Alpha::Blend,
         },
+        on_second_uvs: Layout::of(material).on_second,
+        unlit: material.unlit(),
         double_sided: material.double_sided(),
     };
     Ok(read)
@@ -83,8 +86,13 @@ impl Shelf {
         source: &Source,
     ) -> Result<usize, SceneError> {
         let image = texture.source();
-        let repeat = texture.sampler().wrap_s() != WrappingMode::ClampToEdge;
-        let key = (image.index(), srgb, repeat);
+        let sampler = texture.sampler();
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::Repeat => Wrap::Repeat,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+        });
+        let key = (image.index(), srgb, wrap);
         if let Some(&index) = self.place.get(&key) {
             return Ok(index);
         }
@@ -109,7 +117,7 @@ impl Shelf {
             height: rgba.height(),
             rgba8: rgba.into_raw(),
             srgb,
-            repeat,
+            wrap,
         });
         self.place.insert(key, self.textures.len() - 1);
         Ok(self.textures.len() - 1)

@@ -1,6 +1,8 @@
 use super::super::photo::read_file;
 use super::*;
+use crate::scene::model::SceneLight;
 use proptest::prelude::*;
+use std::f32::consts::PI;
 use std::path::Path;
 
 fn load_gltf(path: &Path, unit_m: Option<f32>) -> Result<SceneModel, SceneError> {
