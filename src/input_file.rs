@@ -25,3 +25,28 @@ pub fn read_input_file(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     }
     std::fs::read(path)
 }
+
+/// Most characters of a library's message that a sentence quotes.
+const MOST_QUOTED: usize = 200;
+
+/// How libraries say that a file ends too soon.
+const CUT_OFF: [&str; 3] = [
+    "failed to fill whole buffer",
+    "unexpected end of file",
+    "could not completely read the object",
+];
+
+/// A library's message as part of a sentence: one short line, no full stop, no control characters.
+pub fn one_clause(error: &dyn std::fmt::Display) -> String {
+    let text = error.to_string();
+    if CUT_OFF.contains(&text.trim_end_matches('.')) {
+        return "it is cut off: it ends before all that it announces is there".into();
+    }
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut quoted: String = line.chars().filter(|c| !c.is_control()).collect();
+    if let Some((end, _)) = quoted.char_indices().nth(MOST_QUOTED) {
+        quoted.truncate(end);
+        quoted.push('…');
+    }
+    quoted.trim_end_matches('.').to_owned()
+}

@@ -5,7 +5,7 @@
 //! field is wrong, what it holds and what is allowed.
 
 use super::components::Laterality;
-use crate::input_file::read_input_file;
+use crate::input_file::{one_clause, read_input_file};
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::IrisPigment;
 use serde::{Deserialize, Serialize};
@@ -331,7 +331,7 @@ impl PatientFile {
                 return Err(PatientError::OutOfRange {
                     file: file.into(),
                     field,
-                    value: format!("{text:?}"),
+                    value: format!("\"{}\"", one_clause(text)),
                     allowed: format!("text without control characters such as {found:?}"),
                 });
             }
@@ -444,7 +444,8 @@ fn sentence(code: &ron::error::Error) -> String {
         Error::NoSuchStructField {
             expected, found, ..
         } => format!(
-            "unknown field {found:?}; the fields of a patient are {}",
+            "unknown field \"{}\"; the fields of a patient are {}",
+            one_clause(found),
             expected.join(", ")
         ),
         Error::NoSuchEnumVariant {
@@ -452,15 +453,16 @@ fn sentence(code: &ron::error::Error) -> String {
             found,
             outer,
         } => format!(
-            "unknown {} {found:?}; it may be {}",
+            "unknown {} \"{}\"; it may be {}",
             outer.as_deref().unwrap_or("value"),
+            one_clause(found),
             expected.join(", ")
         ),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) | Error::Eof => {
             "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)"
                 .into()
         }
-        other => format!("this is not a sound patient file: {other}"),
+        other => format!("this is not a sound patient file: {}", one_clause(other)),
     }
 }
 

@@ -14,10 +14,11 @@ use crate::percept::{ViewOptions, fast};
 use crate::scene::catalog::{BuiltIn, SceneSource};
 use crate::scene::depth_file::DepthUnit;
 use crate::scene::photo::read_named_file;
-use crate::scene::picture_file::{Meaning, decode_picture};
+use crate::scene::picture_file::{Meaning, decode_picture, on_white};
 use bevy::math::UVec2;
 use clap::builder::PossibleValue;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use image::DynamicImage;
 use placement::{SceneUnit, Span, parse_at, parse_length, parse_span, photo_options};
 use sentences::{complain, inform, one_line, say};
 use std::error::Error;
@@ -499,7 +500,7 @@ fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {
     for remark in &picture.remarks {
         complain(remark);
     }
-    let image = picture.image.to_rgb8();
+    let image = DynamicImage::ImageRgb16(on_white(picture.image)).into_rgb8();
     let grey: Vec<u8> = image
         .pixels()
         .map(|pixel| fast::luma_of_srgb8(pixel.0))

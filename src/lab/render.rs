@@ -190,7 +190,19 @@ pub fn render(
         remarks.push(nothing_in_view(&scene));
     }
     let frames = rows.len() as u64;
-    let removed_frames = remove_later_frames(&request.out, frames)?;
+    let later = later_frames(&request.out, frames)?;
+    // Whoever stops a run may want the longer one that was there before.
+    let removed_frames = if frames == total {
+        remove(&later)?
+    } else {
+        if !later.is_empty() {
+            remarks.push(format!(
+                "The folder holds {} more frames, of an earlier run: this one was stopped before it came to them.",
+                later.len()
+            ));
+        }
+        0
+    };
     let drawn = !times_ms.is_empty();
     let report = RenderReport {
         version: env!("CARGO_PKG_VERSION"),
@@ -230,29 +242,36 @@ pub fn nothing_in_view(scene: &str) -> String {
     )
 }
 
-/// Removes frames numbered `frames` and above, which an earlier run left; says how many.
-fn remove_later_frames(out: &Path, frames: u64) -> Result<u64, WriteError> {
-    let refused = |path: &Path, error: std::io::Error| WriteError {
+fn refused(path: &Path, error: &std::io::Error) -> WriteError {
+    WriteError {
         path: path.display().to_string(),
         reason: error.to_string(),
-    };
-    let mut removed = 0;
-    for entry in std::fs::read_dir(out).map_err(|error| refused(out, error))? {
-        let path = entry.map_err(|error| refused(out, error))?.path();
+    }
+}
+
+/// Frames numbered `frames` and above, which an earlier run left.
+fn later_frames(out: &Path, frames: u64) -> Result<Vec<PathBuf>, WriteError> {
+    let mut later = Vec::new();
+    for entry in std::fs::read_dir(out).map_err(|error| refused(out, &error))? {
+        let path = entry.map_err(|error| refused(out, &error))?.path();
         let number = path
             .file_name()
             .and_then(|name| name.to_str()?.strip_prefix("frame_")?.strip_suffix(".png"))
             .and_then(|digits| digits.parse::<u64>().ok());
         // Only names that this program gives.
-        if let Some(number) = number
-            && number >= frames
-            && frame_path(out, number) == path
-        {
-            std::fs::remove_file(&path).map_err(|error| refused(&path, error))?;
-            removed += 1;
+        if number.is_some_and(|number| number >= frames && frame_path(out, number) == path) {
+            later.push(path);
         }
     }
-    Ok(removed)
+    Ok(later)
+}
+
+/// Removes files; says how many.
+fn remove(paths: &[PathBuf]) -> Result<u64, WriteError> {
+    for path in paths {
+        std::fs::remove_file(path).map_err(|error| refused(path, &error))?;
+    }
+    Ok(paths.len() as u64)
 }
 
 fn frame_path(out: &Path, frame: u64) -> PathBuf {
@@ -294,7 +313,8 @@ mod tests {
         for name in names.iter().chain(&others) {
             std::fs::write(folder.path().join(name), b"x").expect("written");
         }
-        assert_eq!(remove_later_frames(folder.path(), 2).expect("removed"), 2);
+        let later = later_frames(folder.path(), 2).expect("a folder");
+        assert_eq!(remove(&later).expect("removed"), 2);
         for name in names[..2].iter().chain(&others) {
             assert!(folder.path().join(name).exists(), "{name}");
         }

@@ -37,6 +37,8 @@ const SEEING_APERTURE: f64 = 0.25;
 const MIDDLE_GREY: f64 = 0.30;
 /// Places to look at in a view without corners.
 const CHANCE_PLACES: usize = 160;
+/// Corners below which an eye also looks at places by chance.
+const FEWEST_CORNERS: usize = 8;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -132,13 +134,16 @@ impl Percept {
         (azimuth, elevation, distance_m(vergence))
     }
 
-    /// The corners among which the eye chooses; in a view without any, places by chance (`seed`).
+    /// The corners among which the eye chooses; in a view with hardly any, places by chance too (`seed`).
     fn candidates(&self, seed: u64) -> Vec<Candidate> {
         let size = self.captured.size;
         let half = self.half_field(size);
-        if self.captured.corners.is_empty() {
-            return self.chance_candidates(seed);
-        }
+        // Among a few corners an eye would soon have nowhere left to go.
+        let chance = if self.captured.corners.len() < FEWEST_CORNERS {
+            self.chance_candidates(seed)
+        } else {
+            Vec::new()
+        };
         spread_out(&self.captured.corners, size)
             .into_iter()
             .map(|[x, y, score, vergence]| {
@@ -151,6 +156,7 @@ impl Percept {
                     distance_m: distance_m(f32::from_bits(vergence)),
                 }
             })
+            .chain(chance)
             .collect()
     }
 }

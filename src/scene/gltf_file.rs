@@ -11,8 +11,8 @@
 //! panic or a read beyond its data.
 
 use super::model::{EyePlacement, SceneError, SceneMesh, SceneModel, UNLIT_WHITE_CD_M2};
-use super::photo::one_clause;
 use super::trace::Tracer;
+use crate::input_file::one_clause;
 use glam::{Mat3, Mat4, Vec3};
 use gltf::accessor::Dimensions;
 use gltf::{Accessor, Document, Primitive, Semantic, buffer, mesh::Mode};

@@ -7,7 +7,7 @@
 
 use super::depth_file::{DepthUnit, read_depth};
 use super::model::{SceneError, luminance, srgb16_to_linear};
-use super::picture_file::{Meaning, decode_picture};
+use super::picture_file::{Meaning, decode_picture, on_white};
 use crate::input_file::read_input_file;
 use std::path::Path;
 
@@ -167,19 +167,9 @@ pub fn load_photo_bytes(
     options.check(source_name)?;
     let picture = decode_picture(bytes, source_name, MIN_SIDE_PX, Meaning::Colour)?;
     let mut remarks = picture.remarks;
-    let rgba = picture.image.into_rgba16();
-    let (width, height) = rgba.dimensions();
-    // A photograph hides nothing: transparent parts stand on white, as paper would show them.
-    let white = u32::from(u16::MAX);
-    let on_white = |code: u16, alpha: u16| {
-        let (code, alpha) = (u32::from(code), u32::from(alpha));
-        ((code * alpha + white * (white - alpha) + white / 2) / white) as u16
-    };
-    let rgb16_srgb: Vec<u16> = rgba
-        .pixels()
-        .flat_map(|pixel| [0, 1, 2].map(|channel| on_white(pixel.0[channel], pixel.0[3])))
-        .collect();
-    drop(rgba);
+    let rgb = on_white(picture.image);
+    let (width, height) = rgb.dimensions();
+    let rgb16_srgb = rgb.into_raw();
     let depth_m = match depth {
         Some((bytes, name)) => {
             let (map, said) = read_depth(bytes, name, (width, height), options)?;
@@ -202,31 +192,6 @@ pub fn load_photo_bytes(
         vertical_fov_deg: options.vertical_fov_deg,
         remarks,
     })
-}
-
-/// Most characters of a library's message that a sentence quotes.
-const MOST_QUOTED: usize = 200;
-
-/// How libraries say that a file ends too soon.
-const CUT_OFF: [&str; 3] = [
-    "failed to fill whole buffer",
-    "unexpected end of file",
-    "could not completely read the object",
-];
-
-/// A library's message as part of a sentence: one short line, no full stop, no control characters.
-pub fn one_clause(error: &dyn std::fmt::Display) -> String {
-    let text = error.to_string();
-    if CUT_OFF.contains(&text.trim_end_matches('.')) {
-        return "it is cut off: it ends before all that it announces is there".into();
-    }
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let mut quoted: String = line.chars().filter(|c| !c.is_control()).collect();
-    if let Some((end, _)) = quoted.char_indices().nth(MOST_QUOTED) {
-        quoted.truncate(end);
-        quoted.push('…');
-    }
-    quoted.trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ mod colour;
 mod jpeg;
 
 use super::model::SceneError;
-use super::photo::{MAX_SIDE_PX, MAX_TEXELS, one_clause};
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use super::photo::{MAX_SIDE_PX, MAX_TEXELS};
+use crate::input_file::one_clause;
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Rgb};
 use std::io::Cursor;
 
 /// The formats that are read, for sentences.
@@ -178,6 +179,22 @@ pub fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
             .any(|four| four == b"<svg")
             .then_some("an SVG drawing")
     })
+}
+
+/// A picture without transparency: what shines through stands on white, as paper would show it.
+pub fn on_white(image: DynamicImage) -> ImageBuffer<Rgb<u16>, Vec<u16>> {
+    let rgba = image.into_rgba16();
+    let (width, height) = rgba.dimensions();
+    let white = u32::from(u16::MAX);
+    let over = |code: u16, alpha: u16| {
+        let (code, alpha) = (u32::from(code), u32::from(alpha));
+        ((code * alpha + white * (white - alpha) + white / 2) / white) as u16
+    };
+    let mut rgb = ImageBuffer::new(width, height);
+    for (to, from) in rgb.pixels_mut().zip(rgba.pixels()) {
+        *to = Rgb([0, 1, 2].map(|channel| over(from.0[channel], from.0[3])));
+    }
+    rgb
 }
 
 #[cfg(test)]

@@ -96,11 +96,17 @@ fn the_lens_goes_to_the_page() {
 fn an_eye_without_corners_looks_at_what_is_ahead_and_about() {
     let _alone = alone();
     let files = Files::new();
-    let wall = files.name("wall.png");
-    image::RgbImage::from_pixel(64, 48, image::Rgb([150, 150, 150]))
-        .save(&wall)
-        .expect("saved");
-    let out = files.name("out");
+    let mut wall = image::RgbImage::from_pixel(64, 48, image::Rgb([150, 150, 150]));
+    looks_about(&files, "wall", &wall);
+    // A single spot is no place to stay for ever.
+    wall.put_pixel(30, 20, image::Rgb([0, 0, 0]));
+    looks_about(&files, "spot", &wall);
+}
+
+fn looks_about(files: &Files, name: &str, picture: &image::RgbImage) {
+    let wall = files.name(&format!("{name}.png"));
+    picture.save(&wall).expect("saved");
+    let out = files.name(&format!("out-{name}"));
     succeeds(&[
         "render",
         "--scene",
@@ -120,7 +126,7 @@ fn an_eye_without_corners_looks_at_what_is_ahead_and_about() {
         "--out",
         &out,
     ]);
-    let trace = fs::read_to_string(files.path("out/trace.csv")).expect("a trace");
+    let trace = fs::read_to_string(files.path(&format!("out-{name}/trace.csv"))).expect("a trace");
     let mut places = std::collections::BTreeSet::new();
     for row in trace.lines().skip(1) {
         let fields: Vec<&str> = row.split(',').collect();
@@ -231,7 +237,11 @@ fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
         "--fps",
         "20",
     ];
+    // Of a longer run before; who stops this one may want it.
+    let longer = files.path("out/frame_50000.png");
     for signal in ["-TERM", "-HUP"] {
+        fs::create_dir_all(&out).expect("a folder");
+        fs::write(&longer, "a picture").expect("written");
         let mut running = program(&long)
             .stderr(std::process::Stdio::null())
             .spawn()
@@ -255,6 +265,12 @@ fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
             fs::read_to_string(files.path("out/report.json"))
                 .expect("a report")
                 .contains("\"interrupted\": true")
+        );
+        assert!(longer.exists(), "a frame of the longer run is gone");
+        let report = fs::read_to_string(files.path("out/report.json")).expect("a report");
+        assert!(
+            report.contains("1 more frames, of an earlier run"),
+            "{report}"
         );
         assert!(!files.path("out/.ocularium-lock").exists());
         fs::remove_dir_all(&out).expect("removed");

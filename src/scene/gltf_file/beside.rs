@@ -1,8 +1,9 @@
 //! What lies outside a glTF file's own text: inline data, files beside it, its binary part.
 
 use super::super::model::SceneError;
-use super::super::photo::{one_clause, read_named_file};
+use super::super::photo::read_named_file;
 use super::malformed;
+use crate::input_file::one_clause;
 use gltf::{Document, buffer};
 use percent_encoding::percent_decode_str;
 use std::path::Path;

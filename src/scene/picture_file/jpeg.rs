@@ -1,6 +1,6 @@
 //! What a JPEG file's markers say before it is decoded (ITU-T T.81, annex B).
 
-use super::one_clause;
+use crate::input_file::one_clause;
 use image::{DynamicImage, GrayImage, RgbImage};
 use jpeg_decoder::{Decoder, PixelFormat};
 

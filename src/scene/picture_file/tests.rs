@@ -324,3 +324,15 @@ proptest! {
         let _ = decode_picture(&bytes, "p", 1, Meaning::Colour);
     }
 }
+
+#[test]
+fn what_shines_through_stands_on_white() {
+    let rgba = |pixel: [u16; 4]| {
+        let image = ImageBuffer::from_pixel(1, 1, image::Rgba(pixel));
+        on_white(DynamicImage::ImageRgba16(image)).get_pixel(0, 0).0
+    };
+    assert_eq!(rgba([12, 3456, 65535, 65535]), [12, 3456, 65535]);
+    assert_eq!(rgba([0, 0, 0, 0]), [65535; 3]);
+    // A third of black over two thirds of white.
+    assert_eq!(rgba([0, 0, 0, 21845]), [43690; 3]);
+}
