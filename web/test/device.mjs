@@ -17,7 +17,10 @@ export const SLEEPER = () => {
   performance.now = () => now() + skew;
   window.hideFor = async (seconds) => {
     asleep = true;
-    await new Promise((resolve) => setTimeout(resolve, 1500));
+    // A frame that is being drawn may take seconds.
+    const pause = () => new Promise((resolve) => setTimeout(resolve, 250));
+    for (let tries = 0; waiting.length === 0 && tries < 120; tries += 1) await pause();
+    await pause();
     skew += 1000 * seconds;
     asleep = false;
     const woken = waiting;
