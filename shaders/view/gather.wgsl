@@ -174,6 +174,9 @@ fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
     var sum = gathered.sum;
     if nearness(gathered.nearest, centre.a) > 0.0 {
         sum = gather_apart(g, centre.a, sigma);
+#ifdef COUNT_WORK
+        atomicAdd(&work[0], 4u * g.pairs * g.pairs);
+#endif
     }
     // All taps can be nearer and sharp: then the pixel keeps its own colour.
     let own = 1e-3;

@@ -5,7 +5,6 @@ use super::{Session, SimulationClock, host, windowed};
 use crate::appearance::EyeOrbit;
 use crate::motion::Motion;
 use crate::scene::catalog::LoadedScene;
-use crate::scene::photo::PhotoDepth;
 use crate::ui::{UiState, session_of};
 use bevy::prelude::*;
 use wasm_bindgen::JsValue;
@@ -74,11 +73,7 @@ fn tell_page(
     // Distance (where it has no depth of its own) and height of a photograph.
     let photograph = match &*session.scene {
         LoadedScene::Photo(photo) => {
-            let distance_m = match photo.depth_m {
-                PhotoDepth::Constant(distance_m) => Some(distance_m),
-                PhotoDepth::Map(_) => None,
-            };
-            serde_json::json!([distance_m, photo.vertical_fov_deg])
+            serde_json::json!([photo.depth_m.constant_m(), photo.vertical_fov_deg])
         }
         LoadedScene::Model(_) => serde_json::Value::Null,
     };

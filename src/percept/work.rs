@@ -51,10 +51,13 @@ pub fn frame_work(uniform: &PerceptUniform, update: bool) -> ViewWork {
     let dark = uniform.lid_aperture <= 0.0;
     let blur_rad = uniform.coc_cap_rad.hypot(uniform.loss_blur_rad);
     let sigma = 0.25 * f64::from(blur_rad * uniform.pixels_per_radian);
-    // A wider blur takes fewer taps where it begins a new level: the most is the budget.
+    // A wider blur takes fewer taps where it begins a new level: the most is the budget. Where
+    // something nearer lies under the kernel, each of the four texels of a tap comes again by itself;
+    // four taps cover 16 texels.
     let own = match gaussian_disc_taps(sigma, uniform.max_taps) {
-        few @ (0 | 4) => few,
-        _ => gaussian_disc_budget(uniform.max_taps).pow(2),
+        0 => 0,
+        4 => 4 + 16,
+        _ => 5 * gaussian_disc_budget(uniform.max_taps).pow(2),
     };
     let spread = match own {
         0 => 0,

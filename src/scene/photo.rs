@@ -53,6 +53,16 @@ pub enum PhotoDepth {
     Map(Vec<f32>),
 }
 
+impl PhotoDepth {
+    /// The distance, where it is the same everywhere.
+    pub fn constant_m(&self) -> Option<f32> {
+        match self {
+            Self::Constant(distance_m) => Some(*distance_m),
+            Self::Map(_) => None,
+        }
+    }
+}
+
 /// What a photograph does not say itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhotoOptions {

@@ -101,3 +101,28 @@ impl Layout {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_scaled_then_turned_then_moved() {
+        let map = UvMap {
+            set: 0,
+            offset: [0.25, 0.5],
+            rotation: std::f32::consts::FRAC_PI_2,
+            scale: [2.0, 3.0],
+        };
+        // The matrices of the extension, offset × rotation × scale, where rotation is
+        // (cos, sin; −sin, cos): u goes to −v and v to u.
+        let mut uvs = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
+        map.apply(&mut uvs);
+        for (found, wanted) in uvs.iter().zip([[0.25, -1.5], [3.25, 0.5], [0.25, 0.5]]) {
+            let off = (0..2)
+                .map(|i| (found[i] - wanted[i]).abs())
+                .fold(0.0, f32::max);
+            assert!(off < 1e-6, "{found:?} in place of {wanted:?}");
+        }
+    }
+}

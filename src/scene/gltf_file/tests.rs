@@ -374,6 +374,41 @@ fn joints_move_a_skin_and_its_own_node_does_not() {
 }
 
 #[test]
+fn every_set_of_joints_moves_a_skin_and_a_joint_that_is_not_there_is_refused() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    let text = std::fs::read_to_string(folder.join("skin_a.gltf")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    // The same joints and weights in a second set hold each vertex as one set does.
+    let mut twice = json.clone();
+    let attributes = &mut twice["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_1"] = attributes["JOINTS_0"].clone();
+    attributes["WEIGHTS_1"] = attributes["WEIGHTS_0"].clone();
+    let control = case("skin_control.gltf", None).unwrap();
+    let scene = load_gltf_bytes(twice.to_string().as_bytes(), "twice").unwrap();
+    assert!(apart(&control, &scene) < 1e-6);
+    // A skin without its joints.
+    let mut none = json;
+    none["skins"][0]["joints"] = serde_json::json!([]);
+    none["skins"][0]
+        .as_object_mut()
+        .unwrap()
+        .remove("inverseBindMatrices");
+    let error = load_gltf_bytes(none.to_string().as_bytes(), "none")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("joint 0, of which there are 0"), "{error}");
+}
+
+#[test]
+fn a_mark_before_the_text_is_passed_over() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    let text = std::fs::read(folder.join("quad_control.gltf")).unwrap();
+    let marked = [b"\xef\xbb\xbf".to_vec(), text].concat();
+    let scene = load_gltf_bytes(&marked, "marked").unwrap();
+    assert!(apart(&case("quad_control.gltf", None).unwrap(), &scene) < 1e-9);
+}
+
+#[test]
 fn morphs_stand_at_rest() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
     let text = std::fs::read_to_string(folder.join("quad_control.gltf")).unwrap();

@@ -127,10 +127,7 @@ fn photograph(
     photo: &PhotoScene,
     version: u64,
 ) -> Option<PhotoScene> {
-    let stands = match photo.depth_m {
-        PhotoDepth::Constant(distance_m) => (Some(distance_m), photo.vertical_fov_deg),
-        PhotoDepth::Map(_) => (None, photo.vertical_fov_deg),
-    };
+    let stands = (photo.depth_m.constant_m(), photo.vertical_fov_deg);
     // Another photograph begins where it stands itself.
     let id = egui::Id::new(("photo placement", version));
     let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(stands);
