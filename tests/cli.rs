@@ -2,6 +2,7 @@
 
 mod files;
 mod measure;
+mod pictures;
 mod results;
 mod zoo;
 

@@ -265,7 +265,11 @@ fn eyelid_glow() -> vec3<f32> {
 }
 
 fn shown(radiance: vec3<f32>, position: vec2<f32>) -> vec4<f32> {
-    let colour = output_transform(radiance, percept.exposure);
+    // A photograph has been through its camera's shoulder.
+    var colour = clamp(radiance * percept.exposure, vec3<f32>(0.0), vec3<f32>(1.0));
+    if percept.display_referred == 0u {
+        colour = output_transform(radiance, percept.exposure);
+    }
     return vec4<f32>(mix(colour, vec3<f32>(0.02, 0.85, 0.25), 0.85 * marker_coverage(position)), 1.0);
 }
 

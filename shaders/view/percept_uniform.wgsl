@@ -34,7 +34,7 @@ struct PerceptUniform {
     field_half_width_rad: f32,      // glaucoma: half the side of the visual-field map
     luma_exposure: f32,             // scene radiance that FAST calls white is 1 / this
     table_slots_old: u32,           // for `grow_table` only
-    padding: f32,
+    display_referred: u32,          // 1: the picture holds a display's colours, no shoulder
 };
 
 @group(0) @binding(0) var<uniform> percept: PerceptUniform;

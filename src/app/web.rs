@@ -57,23 +57,21 @@ fn tell_page(
         return;
     }
     *last_s = now;
-    let rectangle = |index: usize| {
-        ui.rectangles[index].map_or(serde_json::Value::Null, |r| {
-            serde_json::json!([r.min.x, r.min.y, r.width(), r.height()])
-        })
+    let in_page = |r: bevy_egui::egui::Rect| {
+        let [x, y, w, h] = [r.min.x, r.min.y, r.width(), r.height()].map(|side| side * ui.zoom);
+        serde_json::json!([x, y, w, h])
     };
+    let rectangle = |index: usize| ui.rectangles[index].map_or(serde_json::Value::Null, in_page);
     let places: serde_json::Map<_, _> = ui
         .places
         .iter()
-        .map(|(name, r)| {
-            let place = serde_json::json!([r.min.x, r.min.y, r.width(), r.height()]);
-            ((*name).to_owned(), place)
-        })
+        .map(|(name, place)| ((*name).to_owned(), in_page(*place)))
         .collect();
-    // Distance (where it has no depth of its own) and height of a photograph.
+    // Distance of a photograph's middle, and its height.
     let photograph = match &*session.scene {
         LoadedScene::Photo(photo) => {
-            serde_json::json!([photo.depth_m.constant_m(), photo.vertical_fov_deg])
+            let middle_m = photo.depth_at_m(photo.width / 2, photo.height / 2);
+            serde_json::json!([middle_m, photo.vertical_fov_deg])
         }
         LoadedScene::Model(_) => serde_json::Value::Null,
     };

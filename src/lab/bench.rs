@@ -13,7 +13,7 @@ use super::approximations::{
     self, Effort, Requirement, TableSize, Task, joint_csv, report, requirements,
     tables_at_run_time, task_csv,
 };
-use super::files::{WriteError, prepare_folder, write_whole};
+use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
 use super::render::median;
@@ -208,11 +208,14 @@ struct Underway {
     apart: Option<(Child, PathBuf)>,
     /// Files are being written: it is over in a moment.
     writing: bool,
+    /// The folder that they go to.
+    folder: Option<FolderLock>,
 }
 
 static UNDERWAY: Mutex<Underway> = Mutex::new(Underway {
     apart: None,
     writing: false,
+    folder: None,
 });
 
 fn underway() -> MutexGuard<'static, Underway> {
@@ -236,6 +239,7 @@ pub fn interrupt() {
         let _ = child.wait();
         let _ = std::fs::remove_file(file);
     }
+    drop(underway.folder.take());
     eprintln!("ocularium: interrupted; a bench is kept whole or not at all, so nothing was kept");
     std::process::exit(130);
 }
@@ -288,6 +292,13 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
         return approximate(Path::new(&file), quick);
     }
     prepare_folder(out)?;
+    underway().folder = Some(FolderLock::take(out)?);
+    let done = measure_into(out, quick);
+    underway().folder = None;
+    done
+}
+
+fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
     let count = if quick { 40 } else { 200 };
     let square = UVec2::splat(320);
     let (plain, smooth) = (Msaa::Off, Msaa::Sample4);
@@ -296,6 +307,7 @@ pub fn run(out: &Path, quick: bool) -> Result<(), BenchError> {
         ("both panels", brown, square, [true, true], plain),
         ("eye alone", brown, square, [true, false], plain),
         ("view alone", brown, square, [false, true], plain),
+        ("view, -3 D", "myope-3d", square, [false, true], plain),
         (
             "both, glaucoma",
             "glaucoma-moderate",

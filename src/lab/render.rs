@@ -8,6 +8,7 @@ use crate::app::picture::side_by_side;
 use crate::appearance::EyeOrbit;
 use crate::ledger::Work;
 use crate::motion::trace::{TraceRow, write_trace};
+use crate::percept::places::FEWEST_CORNERS;
 use crate::percept::{Percept, ViewOptions};
 use bevy::math::UVec2;
 use image::RgbaImage;
@@ -86,8 +87,10 @@ pub struct RenderReport {
     pub fixations: u64,
     /// Blinks that closed the lids.
     pub blinks: u64,
-    /// Corners among which the eye chose.
+    /// Corners found in the view.
     pub candidates: usize,
+    /// Among what the eye chose where to look.
+    pub looked_at: LookedAt,
     /// What drew.
     pub device: String,
     /// Seconds until the first frame was complete.
@@ -105,6 +108,29 @@ pub struct RenderReport {
     pub removed_frames: u64,
     /// What a user should know about how the scene was read, one sentence each.
     pub remarks: Vec<String>,
+}
+
+/// Among what an eye chooses where to look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LookedAt {
+    /// The corners of its view.
+    Corners,
+    /// These, and places by chance, because they are few.
+    CornersAndChance,
+    /// Places by chance: its view was not drawn, or has no corner.
+    Chance,
+}
+
+impl LookedAt {
+    fn of(view_drawn: bool, corners: usize) -> Self {
+        match corners {
+            _ if !view_drawn => Self::Chance,
+            0 => Self::Chance,
+            1..FEWEST_CORNERS => Self::CornersAndChance,
+            _ => Self::Corners,
+        }
+    }
 }
 
 /// Number of frames: at least one, at times 0, 1/fps, 2/fps, ….
@@ -174,6 +200,9 @@ pub fn render(
         let png = encode_png(&picture(&headless, request)?)
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
         write_whole(&frame_path(&request.out, frame), &png)?;
+        if frame == 0 {
+            forget_earlier_run(&request.out)?;
+        }
         progress(frame + 1, total);
     }
     let mut trace = Vec::new();
@@ -217,6 +246,7 @@ pub fn render(
         fixations: state.fixation_index,
         blinks: state.blink_epoch,
         candidates,
+        looked_at: LookedAt::of(shown[1], candidates),
         device: headless.adapter(),
         ready_after_s,
         frame_ms_mean: drawn.then(|| times_ms.iter().sum::<f64>() / times_ms.len() as f64),
@@ -247,6 +277,21 @@ fn refused(path: &Path, error: &std::io::Error) -> WriteError {
         path: path.display().to_string(),
         reason: error.to_string(),
     }
+}
+
+/// Removes what an earlier run said of its frames, now that they are replaced: a run that fails on the
+/// way must not leave its own beside them.
+fn forget_earlier_run(out: &Path) -> Result<(), WriteError> {
+    for name in ["trace.csv", "report.json"] {
+        let path = out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(refused(&path, &error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Frames numbered `frames` and above, which an earlier run left.
@@ -318,6 +363,27 @@ mod tests {
         for name in names[..2].iter().chain(&others) {
             assert!(folder.path().join(name).exists(), "{name}");
         }
+    }
+
+    #[test]
+    fn what_an_earlier_run_said_is_forgotten() {
+        let folder = tempfile::tempdir().expect("a folder");
+        forget_earlier_run(folder.path()).expect("nothing there");
+        for name in ["trace.csv", "report.json", "notes.txt"] {
+            std::fs::write(folder.path().join(name), b"x").expect("written");
+        }
+        forget_earlier_run(folder.path()).expect("removed");
+        let left = std::fs::read_dir(folder.path()).expect("a folder");
+        assert_eq!(left.count(), 1);
+    }
+
+    #[test]
+    fn few_corners_are_joined_by_chance() {
+        assert_eq!(LookedAt::of(false, 0), LookedAt::Chance);
+        assert_eq!(LookedAt::of(true, 0), LookedAt::Chance);
+        let few = LookedAt::of(true, FEWEST_CORNERS - 1);
+        assert_eq!(few, LookedAt::CornersAndChance);
+        assert_eq!(LookedAt::of(true, FEWEST_CORNERS), LookedAt::Corners);
     }
 
     #[test]

@@ -103,8 +103,8 @@ pub struct PerceptUniform {
     pub luma_exposure: f32,
     /// Slots of the old table; read by `grow_table` alone.
     pub table_slots_old: u32,
-    /// Fills the last 16 bytes.
-    pub padding: f32,
+    /// 1 where the picture holds a display's colours already, as a photograph does: no shoulder.
+    pub display_referred: u32,
 }
 
 const _: () = assert!(size_of::<PerceptUniform>() == 208);
@@ -153,7 +153,7 @@ impl Default for PerceptUniform {
             field_half_width_rad: 40_f32.to_radians(),
             luma_exposure: 1.0,
             table_slots_old: 0,
-            padding: 0.0,
+            display_referred: 0,
         }
     }
 }
@@ -234,7 +234,7 @@ mod tests {
             eccentricity_penalty eccentricity_penalty, loss_blur_rad loss_blur_rad,
             loss_darkening loss_darkening, loss_desaturation loss_desaturation,
             field_half_width_rad field_half_width_rad, luma_exposure luma_exposure,
-            table_slots_old table_slots_old, padding padding);
+            table_slots_old table_slots_old, display_referred display_referred);
         assert_eq!(members.len(), 34);
     }
 

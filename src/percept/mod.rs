@@ -18,6 +18,7 @@ pub mod gather;
 pub mod gpu_data;
 pub mod passes;
 pub mod pipelines;
+pub mod places;
 pub mod readback;
 mod resources;
 pub mod sharpness_field;

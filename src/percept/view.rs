@@ -5,12 +5,13 @@ use super::frame::{
     SceneCamera,
 };
 use super::gpu_data::{FORGET, PerceptUniform, default_voxel_angle_rad, pixels_per_radian};
+use super::places::{candidates_of, direction_of, distance_m, unseen_places};
 use super::sharpness_field::SharpnessClock;
 use super::visual_field::VisualField;
 use crate::anatomy::{Eyelids, GazeController, Glaucoma, Lens, Pupil, SharpnessField};
 use crate::app::session::PatientMarker;
 use crate::app::{Panels, Session, SimulationClock};
-use crate::motion::{Candidate, Candidates, visual_field};
+use crate::motion::{Candidates, visual_field};
 use crate::readiness::Readiness;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::{EyePlacement, SceneModel};
@@ -28,17 +29,13 @@ use std::sync::Arc;
 use wgpu_types::DeviceType;
 
 /// Near plane of the scene camera, m: a page held before the eye is still drawn.
-const NEAR_M: f32 = 0.02;
+pub(super) const NEAR_M: f32 = 0.02;
 /// Largest side of the scene's picture that every device takes.
 const LARGEST_TEXTURE: u32 = 8192;
 /// Below this opening of the lids nothing new is seen.
 const SEEING_APERTURE: f64 = 0.25;
 /// Brightness of the picture against its mean luminance: the mean becomes this shade of grey.
 const MIDDLE_GREY: f64 = 0.30;
-/// Places to look at in a view without corners.
-const CHANCE_PLACES: usize = 160;
-/// Corners below which an eye also looks at places by chance.
-const FEWEST_CORNERS: usize = 8;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -133,97 +130,6 @@ impl Percept {
         let vergence = self.captured.vergence_d.get(at).copied().unwrap_or(0.0);
         (azimuth, elevation, distance_m(vergence))
     }
-
-    /// The corners among which the eye chooses; in a view with hardly any, places by chance too (`seed`).
-    fn candidates(&self, seed: u64) -> Vec<Candidate> {
-        let size = self.captured.size;
-        let half = self.half_field(size);
-        // Among a few corners an eye would soon have nowhere left to go.
-        let chance = if self.captured.corners.len() < FEWEST_CORNERS {
-            self.chance_candidates(seed)
-        } else {
-            Vec::new()
-        };
-        spread_out(&self.captured.corners, size)
-            .into_iter()
-            .map(|[x, y, score, vergence]| {
-                let place = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                let (azimuth_rad, elevation_rad) = direction_of(place, size, half);
-                Candidate {
-                    azimuth_rad,
-                    elevation_rad,
-                    score: f64::from(score),
-                    distance_m: distance_m(f32::from_bits(vergence)),
-                }
-            })
-            .chain(chance)
-            .collect()
-    }
-}
-
-impl Percept {
-    /// Places of the middle of the view, where people look when nothing stands out, at the distances of
-    /// what is there.
-    fn chance_candidates(&self, seed: u64) -> Vec<Candidate> {
-        use rand::{RngExt, SeedableRng};
-        let mut random = rand_pcg::Pcg64::seed_from_u64(seed ^ 0xb1a4);
-        let size = self.captured.size.as_vec2();
-        (0..CHANCE_PLACES)
-            .map(|_| {
-                let mut share = || random.random_range(0.15..0.85);
-                let place = size * Vec2::new(share(), share());
-                let (azimuth_rad, elevation_rad, distance_m) = self.look_at(place);
-                Candidate {
-                    azimuth_rad,
-                    elevation_rad,
-                    score: 1.0,
-                    distance_m,
-                }
-            })
-            .collect()
-    }
-}
-
-/// The strongest corners of every part of the view: a busy texture does not outvote the rest, and
-/// the choice among them stays quick. Row by row, as the corners are.
-fn spread_out(corners: &[[u32; 4]], size: UVec2) -> Vec<[u32; 4]> {
-    const PARTS: u32 = 24;
-    const PER_PART: usize = 2;
-    let part = |corner: &[u32; 4]| {
-        let column = corner[0] * PARTS / size.x.max(1);
-        let row = corner[1] * PARTS / size.y.max(1);
-        (row * PARTS + column) as usize
-    };
-    let mut best: Vec<Vec<usize>> = vec![Vec::new(); (PARTS * PARTS) as usize];
-    for (index, corner) in corners.iter().enumerate() {
-        let Some(kept) = best.get_mut(part(corner)) else {
-            continue;
-        };
-        kept.push(index);
-        // Stable: of equals the earlier one stays.
-        kept.sort_by_key(|&index| std::cmp::Reverse(corners[index][2]));
-        kept.truncate(PER_PART);
-    }
-    let mut kept: Vec<usize> = best.into_iter().flatten().collect();
-    kept.sort_unstable();
-    kept.into_iter().map(|index| corners[index]).collect()
-}
-
-/// Distance of a vergence; none or a negative one is infinitely far.
-fn distance_m(vergence_d: f32) -> f64 {
-    if vergence_d > 0.0 {
-        1.0 / f64::from(vergence_d)
-    } else {
-        f64::INFINITY
-    }
-}
-
-/// Azimuth and elevation (rad) of a place (pixels from the upper left) of a view.
-fn direction_of(place: Vec2, size: UVec2, half_field: Vec2) -> (f64, f64) {
-    let centred = (place / size.as_vec2().max(Vec2::ONE)) * 2.0 - 1.0;
-    let x = f64::from(centred.x * half_field.x);
-    let y = f64::from(-centred.y * half_field.y);
-    (x.atan2(1.0), y.atan2(x.hypot(1.0)))
 }
 
 /// Unit direction of gaze in the view's frame.
@@ -353,7 +259,7 @@ pub fn receive(
     percept.stage = Stage::Done;
     percept.forget_scene = false;
     percept.shown = None;
-    candidates.list = percept.candidates(session.seed);
+    candidates.list = candidates_of(&percept, session.seed);
     let middle = percept.captured.size.as_vec2() * 0.5;
     candidates.ahead_distance_m = percept.look_at(middle).2;
     candidates.version += 1;
@@ -388,7 +294,8 @@ pub fn drive_capture(
         }
         if !clock.ready && readiness.quiet_frames() >= 3 {
             // An eye that is shown alone still looks about; no pass of the view runs for it.
-            candidates.list = idle_candidates(session.seed);
+            (candidates.list, candidates.ahead_distance_m) =
+                unseen_places(&session.scene, session.seed);
             candidates.version += 1;
             clock.ready = true;
         }
@@ -442,20 +349,6 @@ pub fn drive_capture(
             camera.is_active = drawing;
         }
     }
-}
-
-/// Where an eye looks whose view is not shown: places of a room that nobody sees, by seed.
-fn idle_candidates(seed: u64) -> Vec<Candidate> {
-    use rand::{RngExt, SeedableRng};
-    let mut random = rand_pcg::Pcg64::seed_from_u64(seed ^ 0x1d1e);
-    (0..160)
-        .map(|_| Candidate {
-            azimuth_rad: f64::to_radians(random.random_range(-22.0..22.0)),
-            elevation_rad: f64::to_radians(random.random_range(-16.0..14.0)),
-            score: random.random_range(10.0..80.0),
-            distance_m: f64::exp(random.random_range(f64::ln(0.4)..f64::ln(6.0))),
-        })
-        .collect()
 }
 
 /// What was asked for, as far as the largest texture allows.
@@ -629,6 +522,7 @@ fn static_uniform(percept: &Percept, size: UVec2, options: &ViewOptions) -> Perc
         luma_exposure: exposure,
         target_size: size.as_vec2().to_array(),
         field_half_width_rad: FIELD_HALF_DEG.to_radians(),
+        display_referred: u32::from(photo),
         ..PerceptUniform::default()
     }
 }
@@ -692,20 +586,6 @@ fn field_texels(field: &VisualField) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pixels_and_directions_agree() {
-        let (size, half) = (UVec2::new(640, 480), Vec2::new(0.6, 0.45));
-        let (azimuth, elevation) = direction_of(Vec2::new(320.0, 240.0), size, half);
-        assert!(azimuth.abs() < 1e-12 && elevation.abs() < 1e-12);
-        let (azimuth, elevation) = direction_of(Vec2::new(640.0, 240.0), size, half);
-        // atan 0.6, to the rounding of the f32 field.
-        assert!((azimuth - 0.6f64.atan()).abs() < 1e-7 && elevation.abs() < 1e-12);
-        let (_, up) = direction_of(Vec2::new(320.0, 0.0), size, half);
-        assert!(up > 0.4);
-        let d = gaze_direction(azimuth, elevation);
-        assert!((d[0] / -d[2] - 0.6).abs() < 1e-6);
-    }
 
     #[test]
     fn the_field_map_has_the_highest_row_first_and_left_first() {

@@ -59,10 +59,20 @@ pub fn read_depth(
             (DepthUnit::Inverse, format!("inverse, white {near} m, black {far}"))
         };
         remarks.push(format!(
-            "The depth image \"{name}\" was read as {reading}; --depth-unit mm, cm, m, diopter or inverse says otherwise."
+            "The depth image \"{name}\" was read as {reading}; if that is wrong, say what it is (--depth-unit, or \"Its depth\" among the controls)."
         ));
         unit
     });
+    let reach = match unit {
+        DepthUnit::Millimetres => Some("millimetres they reach no farther than 0.255 m"),
+        DepthUnit::Dioptres => Some("thousandths of a dioptre they come no nearer than 3.9 m"),
+        DepthUnit::Centimetres | DepthUnit::Metres | DepthUnit::Inverse => None,
+    };
+    if let (Some(reach), 255) = (reach, full) {
+        remarks.push(format!(
+            "The depth image \"{name}\" has codes of 8 bits: as {reach}."
+        ));
+    }
     let vergence = |code: u16| match unit {
         DepthUnit::Millimetres => measured(code, 1e-3),
         DepthUnit::Centimetres => measured(code, 1e-2),
@@ -241,6 +251,29 @@ mod tests {
             DynamicImage::ImageRgb16(grey.to_rgb16()),
         ] {
             assert_eq!(read(&png(&same), None).0, found);
+        }
+    }
+
+    #[test]
+    fn codes_too_short_for_their_unit_are_said() {
+        let grey =
+            DynamicImage::ImageLuma8(ImageBuffer::from_raw(4, 1, vec![255, 128, 9, 1]).unwrap());
+        for (unit, wanted) in [
+            (DepthUnit::Millimetres, Some((0, 0.255, "0.255 m"))),
+            (DepthUnit::Dioptres, Some((0, 1.0 / 0.255, "3.9 m"))),
+            (DepthUnit::Centimetres, None),
+            (DepthUnit::Metres, None),
+            (DepthUnit::Inverse, None),
+        ] {
+            let (found, remarks) = read(&png(&grey), Some(unit));
+            match wanted {
+                Some((at, reach_m, part)) => {
+                    assert!((found[at] / reach_m - 1.0).abs() < 1e-6, "{found:?}");
+                    assert!(remarks[0].contains(part), "{remarks:?}");
+                }
+                None => assert!(remarks.is_empty(), "{remarks:?}"),
+            }
+            assert!(read(&sixteen([255, 128, 9, 1]), Some(unit)).1.is_empty());
         }
     }
 

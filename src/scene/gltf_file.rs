@@ -33,7 +33,7 @@ use coordinates::{Layout, UvMap};
 use framing::{frame, odd_size};
 use lights::{default_lights, read_light};
 use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
-use refusals::check_extensions;
+use refusals::{check_extensions, unparsed};
 
 /// Largest number of triangles that is accepted.
 pub const MAX_TRIANGLES: usize = 20_000_000;
@@ -116,8 +116,10 @@ fn load(
     beside: Beside,
     unit_m: Option<f32>,
 ) -> Result<SceneModel, SceneError> {
-    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)
-        .map_err(|error| malformed(name, one_clause(&error)))?;
+    let gltf::Gltf { document, blob } =
+        gltf::Gltf::from_slice_without_validation(bytes).map_err(|error| {
+            unparsed(bytes, name).unwrap_or_else(|| malformed(name, one_clause(&error)))
+        })?;
     let mut json = document.into_json();
     check_extensions(&json, name)?;
     let quantised = json

@@ -47,6 +47,29 @@ pub fn decode_picture(
             source_name: source_name.into(),
         });
     }
+    let error = match decode_as_it_is(bytes, source_name, min_side, meaning) {
+        Err(error) => error,
+        picture => return picture,
+    };
+    // One bad chunk beside the picture, and the decoder refuses it all.
+    let alone = png_picture_alone(bytes)
+        .and_then(|png| decode_as_it_is(&png, source_name, min_side, meaning).ok());
+    let Some(mut picture) = alone else {
+        return Err(error);
+    };
+    picture.remarks.push(format!(
+        "\"{source_name}\": what its file says beside the picture, such as its colour space, is broken \
+         and was ignored."
+    ));
+    Ok(picture)
+}
+
+fn decode_as_it_is(
+    bytes: &[u8],
+    source_name: &str,
+    min_side: u32,
+    meaning: Meaning,
+) -> Result<PictureFile, SceneError> {
     let malformed = |reason: String| SceneError::Malformed {
         source_name: source_name.into(),
         kind: READABLE,
@@ -100,6 +123,25 @@ pub fn decode_picture(
     Ok(PictureFile { image, remarks })
 }
 
+/// A PNG without its ancillary chunks, but for transparency; `None` of other files, and of chunks that
+/// do not follow one another.
+fn png_picture_alone(bytes: &[u8]) -> Option<Vec<u8>> {
+    const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+    let mut rest = bytes.strip_prefix(SIGNATURE)?;
+    let mut alone = SIGNATURE.to_vec();
+    while !rest.is_empty() {
+        let length = u32::from_be_bytes(*rest.first_chunk()?) as usize;
+        let (chunk, after) = rest.split_at_checked(length.checked_add(12)?)?;
+        let kind = &chunk[4..8];
+        // Critical chunks begin with a capital letter.
+        if kind[0].is_ascii_uppercase() || kind == b"tRNS" {
+            alone.extend(chunk);
+        }
+        rest = after;
+    }
+    Some(alone)
+}
+
 /// Width and height in the header of a PNG.
 fn png_size(bytes: &[u8]) -> Option<(u32, u32)> {
     let side = |at: usize| {
@@ -145,8 +187,17 @@ fn readable_format(bytes: &[u8]) -> Result<ImageFormat, String> {
 pub fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
     // ISO base media files name their brand after `ftyp`.
     if bytes.get(4..8) == Some(b"ftyp") {
+        let end = bytes
+            .first_chunk()
+            .map_or(0, |four| u32::from_be_bytes(*four)) as usize;
+        // The major brand may be that of any such file; which it is say the compatible ones.
+        let compatible = bytes.get(16..end.min(bytes.len())).unwrap_or_default();
+        let is_avif = compatible
+            .chunks_exact(4)
+            .any(|b| b == b"avif" || b == b"avis");
         return match bytes.get(8..12)? {
             b"avif" | b"avis" => Some("an AVIF picture"),
+            b"mif1" | b"msf1" if is_avif => Some("an AVIF picture"),
             b"heic" | b"heix" | b"heim" | b"heis" | b"hevc" | b"mif1" | b"msf1" => {
                 Some("a HEIC picture")
             }

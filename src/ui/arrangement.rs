@@ -27,6 +27,14 @@ const CONTROLS_WIDTH: f32 = 264.0;
 /// Height below which the strip would leave too little for the pictures, points.
 const STRIP_FROM_HEIGHT: f32 = 520.0;
 
+/// How much larger than usual text and controls are in a window of this size in points: on a large
+/// screen that the system does not enlarge itself, they would be a finger's width in a corner.
+pub fn zoom_for(size: Vec2) -> f32 {
+    let share = (size.x / 1920.0).min(size.y / 1080.0);
+    // By quarters: text stays sharp, and a window that is drawn larger does not creep.
+    ((share * 4.0).floor() / 4.0).clamp(1.0, 2.0)
+}
+
 /// Is there room for the controls without asking?
 pub fn has_room(size: Vec2) -> bool {
     size.x >= 860.0 && size.y >= 480.0
@@ -48,6 +56,23 @@ pub fn arrange(size: Vec2, controls: bool) -> Arrangement {
 mod tests {
     use super::*;
     use bevy_egui::egui::vec2;
+
+    #[test]
+    fn text_grows_with_large_screens_only() {
+        for (size, zoom) in [
+            (vec2(320.0, 480.0), 1.0),
+            (vec2(1920.0, 1080.0), 1.0),
+            (vec2(2560.0, 1440.0), 1.25),
+            (vec2(3440.0, 1440.0), 1.25),
+            (vec2(3840.0, 2160.0), 2.0),
+            (vec2(7680.0, 4320.0), 2.0),
+            (vec2(3840.0, 600.0), 1.0),
+        ] {
+            assert_eq!(zoom_for(size), zoom, "{size:?}");
+            // What is left to the controls is never less than a plain screen.
+            assert!(zoom == 1.0 || (size / zoom).min_elem() >= 1080.0);
+        }
+    }
 
     #[test]
     fn the_pictures_keep_most_of_every_window() {

@@ -26,7 +26,7 @@ use crate::anatomy::PRESETS;
 use crate::app::host::{self, Clipboard};
 use crate::app::own_files::Placement;
 use crate::app::{EyeSystems, Panels, Session, SessionCommand};
-use arrangement::{ControlsPlace, arrange, has_room};
+use arrangement::{ControlsPlace, arrange, has_room, zoom_for};
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
 #[cfg(target_arch = "wasm32")]
@@ -46,8 +46,8 @@ pub enum Request {
     CopyLink,
     /// Save what is seen.
     Save(Saved),
-    /// Read the user's model again, one unit of it being so many metres; `None`: as glTF says.
-    ModelUnit(Option<f32>),
+    /// Read the user's own scene again, to stand like this.
+    ReadAgain(Placement),
 }
 
 /// The window's controls.
@@ -140,12 +140,8 @@ fn obey_requests(
         match *request {
             Request::ChooseFiles => host::choose_files(),
             Request::Save(saved) => saving.begin(saved, &app.panels, &mut commands),
-            Request::ModelUnit(unit_m) => {
-                if let Some(files) = own.model.clone() {
-                    let placement = Placement {
-                        unit_m,
-                        ..Placement::default()
-                    };
+            Request::ReadAgain(placement) => {
+                if let Some(files) = own.files.clone() {
                     own.read(files, placement);
                 }
             }
@@ -251,6 +247,13 @@ fn draw(
     state.measure(&controlled.ledger, &time);
     state.places.clear();
     let size = context.viewport_rect().size();
+    state.zoom = context.zoom_factor();
+    let fitting = zoom_for(size * state.zoom);
+    if state.fitted_zoom != fitting {
+        // What the user has enlarged stays so until the window is another.
+        state.fitted_zoom = fitting;
+        context.set_zoom_factor(fitting);
+    }
     let open = state.controls_open.unwrap_or_else(|| has_room(size));
     let open = open ^ std::mem::take(&mut state.toggle_controls);
     if open != has_room(size) || state.controls_open.is_some() {
@@ -307,10 +310,23 @@ fn draw(
     Ok(())
 }
 
+/// Dark, with text that is read in a bright room.
+fn visuals() -> egui::Visuals {
+    let mut visuals = egui::Visuals::dark();
+    visuals.widgets.noninteractive.fg_stroke.color = egui::Color32::from_gray(190);
+    visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+    visuals.error_fg_color = egui::Color32::from_rgb(255, 140, 130);
+    visuals
+}
+
 fn style(context: &egui::Context, touch: bool) {
     touch::take_slow_taps(context);
-    context.set_visuals(egui::Visuals::dark());
+    context.set_visuals(visuals());
+    // A browser enlarges its pages itself.
+    context.options_mut(|options| options.zoom_with_keyboard = cfg!(not(target_arch = "wasm32")));
     context.all_styles_mut(|style| {
+        // A bar that only a resting pointer brings up does not say that there is more below.
+        style.spacing.scroll.dormant_handle_opacity = 0.5;
         style.spacing.item_spacing = egui::vec2(6.0, if touch { 9.0 } else { 5.0 });
         style.interaction.selectable_labels = false;
         if touch {
@@ -321,4 +337,38 @@ fn style(context: &egui::Context, touch: bool) {
             style.spacing.icon_width = 22.0;
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy_egui::egui::Color32;
+
+    /// Relative luminance and contrast as in WCAG 2.2.
+    fn contrast(one: Color32, other: Color32) -> f32 {
+        let luminance = |colour: Color32| {
+            let [r, g, b, _] = egui::Rgba::from(colour).to_array();
+            0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05
+        };
+        let (one, other) = (luminance(one), luminance(other));
+        one.max(other) / one.min(other)
+    }
+
+    #[test]
+    fn every_text_stands_out_from_its_ground() {
+        let visuals = visuals();
+        // Black on white, by definition.
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-3);
+        for (text, least) in [
+            (visuals.text_color(), 7.0),
+            (visuals.weak_text_color(), 4.5),
+            (visuals.error_fg_color, 4.5),
+            (visuals.warn_fg_color, 4.5),
+        ] {
+            for ground in [visuals.panel_fill, visuals.window_fill] {
+                let found = contrast(text, ground);
+                assert!(found >= least, "{text:?} on {ground:?}: {found}");
+            }
+        }
+    }
 }

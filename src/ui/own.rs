@@ -5,7 +5,6 @@ use crate::app::SessionCommand;
 use crate::app::host::{self, Arrival};
 use crate::app::own_files::{Own, OwnFile, Placement, read_own_files};
 use crate::motion::MotionCommand;
-use crate::scene::catalog::LoadedScene;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use std::sync::Arc;
@@ -13,10 +12,10 @@ use std::sync::Arc;
 /// What the user has brought.
 #[derive(Resource, Default)]
 pub struct OwnScene {
-    /// The model's files, so that they can be read again in another unit.
-    pub(super) model: Option<Arc<Vec<OwnFile>>>,
-    /// The unit in which the model was read, m.
-    pub(super) unit_m: Option<f32>,
+    /// The scene's files, so that they can be read again in another unit.
+    pub(super) files: Option<Arc<Vec<OwnFile>>>,
+    /// How they were read.
+    pub(super) placement: Placement,
     /// A file hovers over the window.
     pub(super) hovered: bool,
     reading: Option<Reading>,
@@ -99,9 +98,8 @@ pub(super) fn receive(
         }
         Some(Ok(Own::Scene(scene))) => {
             state.message = None;
-            let is_model = matches!(scene, LoadedScene::Model(_));
-            own.model = is_model.then_some(reading.files);
-            own.unit_m = reading.placement.unit_m;
+            own.files = Some(reading.files);
+            own.placement = reading.placement;
             session_commands.write(SessionCommand::Scene(Arc::new(scene)));
         }
     }
@@ -110,6 +108,7 @@ pub(super) fn receive(
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests {
     use super::*;
+    use crate::scene::catalog::LoadedScene;
     use bevy::window::FileDragAndDrop;
     use std::path::{Path, PathBuf};
 

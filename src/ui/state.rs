@@ -54,12 +54,16 @@ pub struct UiState {
     pub message: Option<String>,
     /// What went well last, for the user, and from when it is shown, s of real time.
     pub notice: Option<(String, Option<f64>)>,
-    /// Rectangles of eye and view in points, where they are shown.
+    /// Rectangles of eye and view in the controls' points, where they are shown.
     pub rectangles: [Option<egui::Rect>; 2],
-    /// Rectangles of controls in points by name, for tests that press them.
+    /// Rectangles of controls in their points by name, for tests that press them.
     pub places: BTreeMap<&'static str, egui::Rect>,
     /// Is it drawn for fingers?
     pub touch: bool,
+    /// The window's points in one of the controls'.
+    pub zoom: f32,
+    /// Zoom for a window of this size, before the user changes it.
+    pub fitted_zoom: f32,
     /// Work of the last second.
     pub work: Work,
     /// Milliseconds between frames, smoothed.
@@ -73,6 +77,8 @@ impl Default for UiState {
         let title = |name: &str| load_patient(name).map_or(name.into(), |patient| patient.name);
         Self {
             controls_open: None,
+            zoom: 1.0,
+            fitted_zoom: 1.0,
             toggle_controls: false,
             gaze: GazeMode::Auto,
             fixed_at: (0.0, 0.0, f64::INFINITY),

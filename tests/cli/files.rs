@@ -6,11 +6,11 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 /// A file of `tests/data`.
-fn data(name: &str) -> String {
+pub fn data(name: &str) -> String {
     format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-fn succeeds(arguments: &[&str]) {
+pub fn succeeds(arguments: &[&str]) {
     let output = run(arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
 }
@@ -286,10 +286,14 @@ fn an_interrupted_bench_keeps_nothing_and_says_so() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("it starts");
-    while !files.path("bench").exists() {
+    while !files.path("bench/.ocularium-lock").exists() {
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(Duration::from_secs(2));
+    refused(
+        &["bench", "--quick", "--out", &out],
+        &["cannot write", "another run"],
+    );
     let sent = std::process::Command::new("kill")
         .args(["-TERM", &running.id().to_string()])
         .status();

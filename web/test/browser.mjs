@@ -182,6 +182,20 @@ async function checkSentence(browser, url, { name, setUp, wanted }) {
   });
 }
 
+/** An iPad calls itself a Macintosh; only that it is touched tells it from one. */
+async function checkTablet(browser, url) {
+  const userAgent = "Mozilla/5.0 (Macintosh; Intel Mac OS X 10_15_7) AppleWebKit/605.1.15 Version/26.0 Safari/605.1.15";
+  for (const [name, hasTouch] of [["an iPad is given a keyboard", true], ["a Macintosh keeps its own", false]]) {
+    await check(name, async () => {
+      const { page } = await openPage(browser, { userAgent, hasTouch });
+      await page.goto(url);
+      assert.equal(await page.evaluate(() => window.oculariumHost.isTelephone()), hasTouch);
+      assert.equal(await page.evaluate(() => navigator.userAgent.includes("iPad")), hasTouch);
+      await page.close();
+    });
+  }
+}
+
 /** The page in a browser whose screen has so many pixels a point. */
 async function checkDensity(url, { ratio, sizes, touch }) {
   const [[width, height]] = sizes;
@@ -222,6 +236,7 @@ async function main() {
   await check("nothing is reported in the console", () => assert.deepEqual(complaints, []));
   await page.context().close();
 
+  await checkTablet(browser, url);
   for (const density of DENSITIES) await checkDensity(url, density);
 
   await checkSentence(browser, url, {

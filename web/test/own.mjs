@@ -6,6 +6,7 @@ import { check, MOTION_LIMIT_S, published, readState, screenshot, until, VIEWPOR
 import * as pixels from "./pixels.mjs";
 
 const PAGE_PNG = fileURLToPath(new URL("../../tests/data/page.png", import.meta.url));
+const DEPTH = fileURLToPath(new URL("../../tests/data/depth", import.meta.url));
 const ANN = '(name: "Ann", description: "Made for a test.", age_years: 44, sphere_d: -2.5, iris_color: Green)';
 
 const fragment = (page) => page.evaluate(() => location.hash);
@@ -114,6 +115,25 @@ async function checkFiles(page) {
       const after = (await readState(page)).photograph;
       assert.equal(after[1 - index], before[1 - index], "the other slider's value went with it");
     }
+  });
+  await check("a photograph's depth image is read as the visitor says", async () => {
+    const base64 = async (name) => (await readFile(`${DEPTH}/${name}`)).toString("base64");
+    await drop(page, [["checks.png", await base64("checks.png")], ["depth.png", await base64("millimetres_16.png")]]);
+    const middle = (metres) => (s) => Math.abs(s.photograph?.[0] / metres - 1) < 1e-3;
+    await becomes(page, "millimetres, as found", (s) => s.scene === "checks.png" && middle(3)(s));
+    await published(page, 2);
+    await press(page, "inverse");
+    // Code 3000 of 65535, white at 0.5 m and black infinitely far.
+    await becomes(page, "inverse", middle((0.5 * 65535) / 3000));
+    await published(page, 2);
+    const [x, y, w, h] = (await readState(page)).places.white;
+    await page.mouse.move(x + 0.2 * w, y + h / 2);
+    await page.mouse.down();
+    await published(page, 2);
+    await page.mouse.move(x + 0.05 * w, y + h / 2, { steps: 3 });
+    await published(page, 2);
+    await page.mouse.up();
+    await becomes(page, "white nearer", (s) => s.photograph[0] < (0.3 * 65535) / 3000);
   });
   await check("a model is shown with the buffer that is dropped beside it", async () => {
     const corners = Buffer.from(new Float32Array([-1, -1, -2, 1, -1, -2, 0, 1, -2]).buffer).toString("base64");

@@ -71,6 +71,14 @@ export async function checkSizes(page) {
       return [width, height];
     });
   }
+  await check("controls grow with a screen that nobody else enlarges", async () => {
+    const [width] = SIZES.at(-1);
+    const { places, panels } = await readState(page);
+    // The controls' usual width is 264 points.
+    const beside = width - (panels.view[0] + panels.view[2]);
+    assert(Math.abs(beside - 2 * 264) < 40, `the controls are ${beside} points wide`);
+    assert(places.controls[2] >= 40, `the button is ${places.controls[2]} points wide`);
+  });
   await checkNothing(page);
 }
 

@@ -22,12 +22,17 @@ pub(super) fn inform(sentence: &str) {
     let _ = writeln!(std::io::stderr(), "{}", one_line(sentence));
 }
 
-/// A sentence with its control characters spelt out. A file's name may hold them: a terminal takes
-/// them for commands, and a log for the end of the line.
+/// A sentence with its control characters spelt out, and those that turn the direction of writing. A
+/// file's name may hold them: a terminal takes them for commands, a log for the end of the line, and a
+/// reader for what is not there.
 pub(super) fn one_line(sentence: &str) -> String {
     let mut line = String::with_capacity(sentence.len());
     for c in sentence.chars() {
-        if c.is_control() {
+        let turns = matches!(
+            c,
+            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+        );
+        if c.is_control() || turns {
             line.extend(c.escape_default());
         } else {
             line.push(c);
@@ -43,6 +48,7 @@ mod tests {
     #[test]
     fn a_sentence_is_one_line_without_commands() {
         assert_eq!(one_line("a\nb\u{1b}[31mc"), "a\\nb\\u{1b}[31mc");
+        assert_eq!(one_line("gnp.\u{202e}a\u{2067}"), "gnp.\\u{202e}a\\u{2067}");
         assert_eq!(one_line("21° to “40°” é"), "21° to “40°” é");
     }
 }

@@ -452,6 +452,16 @@ fn extensions_are_read_or_named() {
             "{error}"
         );
     }
+    // A texture that is only there compressed has no image to name, which no library parses.
+    let basis = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_texture_basisu"],
+        "textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}]}"#;
+    for bytes in [basis.as_bytes().to_vec(), glb(basis, &[])] {
+        let error = message(&bytes);
+        assert!(
+            error.contains("KTX2") && error.contains("export it again"),
+            "{error}"
+        );
+    }
     let sun = case("sun_68300_lux.gltf", None).unwrap();
     // A matt grey of about a half in 68,300 lx: E ρ / π is 10,000 cd/m², diluted by what is around.
     assert!(

@@ -6,8 +6,8 @@
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgba};
 use moxcms::{
-    Chromaticity, ColorPrimaries, ColorProfile, DataColorSpace, Layout, ToneReprCurve,
-    TransformOptions, XyY,
+    Chromaticity, CicpColorPrimaries, CicpProfile, ColorPrimaries, ColorProfile, DataColorSpace,
+    Layout, MatrixCoefficients, ToneReprCurve, TransferCharacteristics, TransformOptions, XyY,
 };
 use std::io::Cursor;
 
@@ -19,7 +19,12 @@ pub fn to_srgb(
     profile: Option<&[u8]>,
     remark: &mut dyn FnMut(&str),
 ) -> DynamicImage {
+    let points = (format == ImageFormat::Png)
+        .then(|| png_code_points(bytes, remark))
+        .flatten();
     let source = match profile {
+        // The third edition of PNG puts the code points before the profile (4.3).
+        _ if points.is_some() => points,
         Some(icc) => match ColorProfile::new_from_slice(icc) {
             Ok(profile) => Some(profile),
             Err(_) => {
@@ -69,6 +74,39 @@ fn converted(image: &DynamicImage, source: &ColorProfile) -> Option<DynamicImage
     transform.transform(&from, &mut to).ok()?;
     ImageBuffer::<Rgba<u16>, _>::from_raw(image.width(), image.height(), to)
         .map(DynamicImage::ImageRgba16)
+}
+
+/// The colour space of a PNG's `cICP` (ITU-T H.273's code points), if it can be shown.
+fn png_code_points(bytes: &[u8], remark: &mut dyn FnMut(&str)) -> Option<ColorProfile> {
+    let reader = png::Decoder::new(Cursor::new(bytes)).read_info().ok()?;
+    let points = reader.info().coding_independent_code_points?;
+    let transfer = TransferCharacteristics::try_from(points.transfer_function).ok();
+    if let Some(TransferCharacteristics::Smpte2084 | TransferCharacteristics::Hlg) = transfer {
+        remark(
+            "its brightness is coded for an HDR display, which is not read; sRGB is assumed: save it as \
+             SDR to see it right.",
+        );
+        return None;
+    }
+    let profile = transfer.zip(CicpColorPrimaries::try_from(points.color_primaries).ok());
+    let usable = profile.filter(|(transfer, primaries)| {
+        use CicpColorPrimaries as P;
+        use TransferCharacteristics as T;
+        !matches!(transfer, T::Reserved | T::Unspecified)
+            && !matches!(primaries, P::Reserved | P::Unspecified)
+            && points.matrix_coefficients == 0
+            && points.is_video_full_range_image
+    });
+    let Some((transfer_characteristics, color_primaries)) = usable else {
+        remark("its colour code points (cICP) cannot be used and were ignored.");
+        return None;
+    };
+    Some(ColorProfile::new_from_cicp(CicpProfile {
+        color_primaries,
+        transfer_characteristics,
+        matrix_coefficients: MatrixCoefficients::Identity,
+        full_range: true,
+    }))
 }
 
 /// The colour space that a PNG's own chunks describe, if it is not sRGB (PNG, third edition, 4.3).

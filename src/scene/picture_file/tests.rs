@@ -152,6 +152,10 @@ fn formats_that_are_not_read_are_named() {
     for (start, name) in [
         (&b"\0\0\0\x1cftypavif\0\0\0\0"[..], "AVIF"),
         (b"\0\0\0\x18ftypheic\0\0\0\0", "HEIC"),
+        (b"\0\0\0\x18ftypmif1\0\0\0\0heicmif1", "HEIC"),
+        (b"\0\0\0\x18ftypmif1\0\0\0\0mif1avif", "AVIF"),
+        // Beyond the box's end stands something else.
+        (b"\0\0\0\x14ftypmif1\0\0\0\0mif1avif", "HEIC"),
         (b"%PDF-1.7", "PDF"),
         (b"<?xml version=\"1.0\"?><svg/>", "SVG"),
         (b"\xff\x0a\x00", "JPEG XL"),
@@ -243,6 +247,20 @@ fn colour_profiles_are_converted_and_broken_ones_are_said() {
     assert_eq!(code(&data, 0, 0), [128 * 257; 3]);
 }
 
+/// sRGB codes (0–255, clipped) of linear light by a published matrix to linear sRGB.
+fn srgb_codes(matrix: [[f64; 3]; 3], linear: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| {
+        let c: f64 = row.iter().zip(linear).map(|(a, b)| a * b).sum();
+        let c = c.clamp(0.0, 1.0);
+        255.0
+            * if c <= 0.003_130_8 {
+                12.92 * c
+            } else {
+                1.055 * c.powf(1.0 / 2.4) - 0.055
+            }
+    })
+}
+
 /// SMPTE EG 432-1's primaries to IEC 61966-2-1's, both with D65 and sRGB's curve; codes 0–255.
 fn display_p3_to_srgb(p3: [f64; 3]) -> [f64; 3] {
     let linear = p3.map(|code| {
@@ -254,20 +272,153 @@ fn display_p3_to_srgb(p3: [f64; 3]) -> [f64; 3] {
         }
     });
     // The product of the two published matrices.
-    let rows = [
+    let matrix = [
         [1.224_940_18, -0.224_940_18, 0.0],
         [-0.042_056_95, 1.042_056_95, 0.0],
         [-0.019_637_55, -0.078_636_05, 1.098_273_60],
     ];
-    rows.map(|row| {
-        let c: f64 = row.iter().zip(linear).map(|(a, b)| a * b).sum();
-        255.0
-            * if c <= 0.003_130_8 {
-                12.92 * c
+    srgb_codes(matrix, linear)
+}
+
+/// Adobe RGB (1998), 4.3.4 and 4.3.6: gamma 563/256, its matrix to XYZ times sRGB's from XYZ.
+fn adobe_to_srgb(adobe: [f64; 3]) -> [f64; 3] {
+    let matrix = [
+        [1.398_355_74, -0.398_355_74, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -0.042_932_89, 1.042_932_89],
+    ];
+    srgb_codes(matrix, adobe.map(|code| (code / 255.0).powf(563.0 / 256.0)))
+}
+
+/// ROMM RGB (ISO 22028-2): D50, gamma 1.8 with a foot below 16/512; its matrix to XYZ, Bradford's to D65, sRGB's.
+fn pro_photo_to_srgb(romm: [f64; 3]) -> [f64; 3] {
+    let linear = romm.map(|code| {
+        let c: f64 = code / 255.0;
+        if c < 0.031_25 { c / 16.0 } else { c.powf(1.8) }
+    });
+    let matrix = [
+        [2.034_267, -0.727_524, -0.306_743],
+        [-0.228_833, 1.231_753, -0.002_920],
+        [-0.008_569, -0.153_286, 1.161_855],
+    ];
+    srgb_codes(matrix, linear)
+}
+
+fn near_codes(picture: &PictureFile, wanted: [f64; 3], within: f64, what: &str) {
+    assert!(picture.remarks.is_empty(), "{what}: {:?}", picture.remarks);
+    let found = code(picture, 0, 0).map(|c| f64::from(c) / 257.0);
+    for (found_one, wanted_one) in found.iter().zip(wanted) {
+        assert!(
+            (found_one - wanted_one).abs() < within,
+            "{what}: {found:?} in place of {wanted:?}"
+        );
+    }
+}
+
+#[test]
+fn photographers_colour_spaces_are_converted() {
+    // Within sRGB, and one outside it, which is clipped.
+    for rgb in [[180, 120, 90], [60, 90, 160], [128; 3], [10, 240, 20]] {
+        let codes = rgb.map(f64::from);
+        let with_profile = |profile: ColorProfile| {
+            let icc = profile.encode().unwrap();
+            decode(&png_with(rgb, |info| {
+                info.icc_profile = Some(icc.clone().into())
+            }))
+        };
+        // The profiles hold 16-bit numbers; a code's share of 255 is what that leaves.
+        let adobe = adobe_to_srgb(codes);
+        let by_profile = with_profile(ColorProfile::new_adobe_rgb());
+        near_codes(&by_profile, adobe, 0.6, "Adobe RGB");
+        let romm = pro_photo_to_srgb(codes);
+        let by_profile = with_profile(ColorProfile::new_pro_photo_rgb());
+        near_codes(&by_profile, romm, 0.6, "ProPhoto RGB");
+        // The same space by the chunks that a PNG has for it.
+        let place = |x: u32, y: u32| {
+            let share = |n: u32| png::ScaledFloat::from_scaled(n);
+            (share(x), share(y))
+        };
+        let by_chunks = decode(&png_with(rgb, |info| {
+            info.source_gamma = Some(png::ScaledFloat::from_scaled(45_471));
+            info.source_chromaticities = Some(png::SourceChromaticities {
+                white: place(31_270, 32_900),
+                red: place(64_000, 33_000),
+                green: place(21_000, 71_000),
+                blue: place(15_000, 6_000),
+            });
+        }));
+        near_codes(&by_chunks, adobe, 0.6, "gAMA and cHRM");
+        if rgb != [128; 3] {
+            let off =
+                |other: [f64; 3]| (other[0] - codes[0]).abs().max((other[2] - codes[2]).abs());
+            assert!(off(adobe) > 3.0 && off(romm) > 3.0, "nothing to convert");
+        }
+    }
+}
+
+/// A PNG with a chunk put in after its header.
+fn with_chunk(png: &[u8], kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
+    let mut chunk = (data.len() as u32).to_be_bytes().to_vec();
+    chunk.extend(kind);
+    chunk.extend(data);
+    // CRC-32 of PNG, appendix D.
+    let sum = chunk[4..].iter().fold(u32::MAX, |mut sum, byte| {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = if sum & 1 == 1 {
+                0xedb8_8320 ^ (sum >> 1)
             } else {
-                1.055 * c.powf(1.0 / 2.4) - 0.055
-            }
-    })
+                sum >> 1
+            };
+        }
+        sum
+    });
+    chunk.extend((!sum).to_be_bytes());
+    let mut bytes = png.to_vec();
+    bytes.splice(33..33, chunk);
+    bytes
+}
+
+#[test]
+fn code_points_say_the_colour_space_before_all_else() {
+    let rgb = [200, 100, 50];
+    let adobe = ColorProfile::new_adobe_rgb().encode().unwrap();
+    let png = png_with(rgb, |info| info.icc_profile = Some(adobe.clone().into()));
+    // Display P3 is (12, 13), whatever profile stands beside it.
+    let p3 = decode(&with_chunk(&png, b"cICP", &[12, 13, 0, 1]));
+    near_codes(&p3, display_p3_to_srgb(rgb.map(f64::from)), 0.6, "cICP");
+    let srgb = decode(&with_chunk(&png, b"cICP", &[1, 13, 0, 1]));
+    near_codes(&srgb, rgb.map(f64::from), 0.6, "cICP of sRGB");
+    // BT.2100 PQ and HLG, and what cannot be: said, and what else is there is taken.
+    for (points, part) in [
+        ([9, 16, 0, 1], "HDR"),
+        ([9, 18, 0, 1], "HDR"),
+        ([2, 13, 0, 1], "ignored"),
+        ([12, 13, 0, 0], "ignored"),
+        ([99, 250, 0, 1], "ignored"),
+    ] {
+        let picture = decode(&with_chunk(&png, b"cICP", &points));
+        assert!(picture.remarks[0].contains(part), "{:?}", picture.remarks);
+        let without = PictureFile {
+            remarks: Vec::new(),
+            ..picture
+        };
+        near_codes(
+            &without,
+            adobe_to_srgb(rgb.map(f64::from)),
+            0.6,
+            "beside cICP",
+        );
+    }
+    // What the decoder refuses the whole file for, and a browser does not.
+    let odd = with_chunk(&png_with(rgb, |_| {}), b"cICP", &[1, 13, 5, 1]);
+    let picture = decode(&odd);
+    assert!(
+        picture.remarks[0].contains("broken"),
+        "{:?}",
+        picture.remarks
+    );
+    assert_eq!(code(&picture, 0, 0), rgb.map(|code| u16::from(code) * 257));
 }
 
 #[test]
@@ -275,6 +426,70 @@ fn transparency_and_palettes_survive() {
     let clear = RgbaImage::from_pixel(16, 16, Rgba([10, 20, 30, 0]));
     let picture = decode(&encoded(&clear.into(), ImageFormat::Png));
     assert_eq!(picture.image.to_rgba8().get_pixel(0, 0).0[3], 0);
+
+    // Four of sixteen colours, one of them half transparent, two pixels a byte.
+    let mut info = png::Info::with_size(4, 1);
+    info.color_type = png::ColorType::Indexed;
+    info.bit_depth = png::BitDepth::Four;
+    info.palette = Some(vec![10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120].into());
+    info.trns = Some(vec![255, 128].into());
+    let mut bytes = Vec::new();
+    let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[0x01, 0x32]).unwrap();
+    writer.finish().unwrap();
+    let rgba = decode(&bytes).image.to_rgba8();
+    assert_eq!(
+        rgba.into_raw(),
+        [
+            10, 20, 30, 255, 40, 50, 60, 128, 100, 110, 120, 255, 70, 80, 90, 255
+        ]
+    );
+}
+
+#[test]
+fn animated_and_interlaced_pictures_show_their_default_image() {
+    // Red is shown where nothing moves; green and blue are the animation.
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 16, 16);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_animated(2, 0).unwrap();
+    encoder.set_sep_def_img(true).unwrap();
+    let mut writer = encoder.write_header().unwrap();
+    for colour in [[200, 0, 0], [0, 200, 0], [0, 0, 200]] {
+        writer.write_image_data(&colour.repeat(256)).unwrap();
+    }
+    writer.finish().unwrap();
+    assert_eq!(
+        decode(&bytes).image.to_rgb8().get_pixel(9, 9).0,
+        [200, 0, 0]
+    );
+
+    let mut bytes = Vec::new();
+    let mut encoder = image::codecs::gif::GifEncoder::new(&mut bytes);
+    for colour in [[255, 0, 0], [0, 255, 0]] {
+        let Rgb([r, g, b]) = Rgb(colour);
+        let frame = RgbaImage::from_pixel(16, 16, Rgba([r, g, b, 255]));
+        encoder.encode_frame(image::Frame::new(frame)).unwrap();
+    }
+    drop(encoder);
+    assert_eq!(
+        decode(&bytes).image.to_rgb8().get_pixel(9, 9).0,
+        [255, 0, 0]
+    );
+
+    // Adam7: the same picture in seven passes.
+    let interlaced = include_bytes!("../../../tests/data/interlaced.png");
+    assert_eq!(interlaced[28], 1, "the header's interlace method");
+    let found = decode(interlaced).image.to_rgb8();
+    assert_eq!(found.dimensions(), (21, 13));
+    for (x, y, pixel) in found.enumerate_pixels() {
+        assert_eq!(
+            pixel.0,
+            [(12 * x) as u8, (19 * y) as u8, (x * y) as u8],
+            "{x}, {y}"
+        );
+    }
 }
 
 #[test]

@@ -5,9 +5,11 @@ use super::super::state::{Controlled, UiState};
 use super::super::{OwnScene, Request, preset_shown};
 use crate::anatomy::{PRESETS, load_patient};
 use crate::app::SessionCommand;
+use crate::app::own_files::Placement;
 use crate::motion::MotionCommand;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
-use crate::scene::photo::{PhotoDepth, PhotoScene};
+use crate::scene::depth_file::DepthUnit;
+use crate::scene::photo::{PhotoDepth, PhotoOptions, PhotoScene};
 use bevy_egui::egui::{self, Ui};
 use std::sync::Arc;
 
@@ -104,14 +106,34 @@ pub fn placement(
             if let Some(stood) = photograph(ui, state, photo, controlled.session.scene_version) {
                 controlled.show_scene(LoadedScene::Photo(Box::new(stood)));
             }
+            if photo.depth_m.constant_m().is_none() && own.files.is_some() {
+                let asked = depth(
+                    ui,
+                    state,
+                    own.placement.photo,
+                    controlled.session.scene_version,
+                );
+                if let Some(asked) = asked {
+                    controlled.requests.write(Request::ReadAgain(Placement {
+                        photo: PhotoOptions {
+                            vertical_fov_deg: photo.vertical_fov_deg,
+                            ..asked
+                        },
+                        ..own.placement
+                    }));
+                }
+            }
         }
-        LoadedScene::Model(_) if own.model.is_some() => {
+        LoadedScene::Model(_) if own.files.is_some() => {
             ui.horizontal_wrapped(|ui| {
                 ui.label("Its unit");
                 for (name, unit_m) in [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)] {
-                    let shown = own.unit_m.unwrap_or(1.0) == unit_m;
+                    let shown = own.placement.unit_m.unwrap_or(1.0) == unit_m;
                     if ui.selectable_label(shown, name).clicked() {
-                        controlled.requests.write(Request::ModelUnit(Some(unit_m)));
+                        controlled.requests.write(Request::ReadAgain(Placement {
+                            unit_m: Some(unit_m),
+                            ..own.placement
+                        }));
                     }
                 }
             });
@@ -154,6 +176,52 @@ fn photograph(
     }
     stood.vertical_fov_deg = wanted.1;
     Some(stood)
+}
+
+/// What the codes of a photograph's depth image mean; another reading where one is chosen, or a slider
+/// has been moved and is let go.
+fn depth(
+    ui: &mut Ui,
+    state: &mut UiState,
+    read: PhotoOptions,
+    version: u64,
+) -> Option<PhotoOptions> {
+    let id = egui::Id::new(("depth image", version));
+    let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(read);
+    let mut settled = false;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Its depth");
+        for (name, unit) in [
+            ("m", DepthUnit::Metres),
+            ("cm", DepthUnit::Centimetres),
+            ("mm", DepthUnit::Millimetres),
+            ("dioptre", DepthUnit::Dioptres),
+            ("inverse", DepthUnit::Inverse),
+        ] {
+            let label = ui.selectable_label(wanted.depth_unit == Some(unit), name);
+            if unit == DepthUnit::Inverse {
+                state.places.insert("inverse", label.rect);
+            }
+            if label.clicked() {
+                wanted.depth_unit = Some(unit);
+                settled = true;
+            }
+        }
+    });
+    if wanted.depth_unit == Some(DepthUnit::Inverse) {
+        let mut slide = |name: &'static str, distance_m: &mut f32, range| {
+            let slider = egui::Slider::new(distance_m, range).logarithmic(true);
+            let slider = ui.add(slider.largest_finite(1000.0).suffix(" m").text(name));
+            state.places.insert(name, slider.rect);
+            settled |= slider.drag_stopped() || slider.lost_focus();
+        };
+        slide("white", &mut wanted.near_m, 0.05..=10.0);
+        let beyond = wanted.near_m * 1.01;
+        wanted.far_m = wanted.far_m.max(beyond);
+        slide("black", &mut wanted.far_m, beyond..=f32::INFINITY);
+    }
+    ui.data_mut(|data| data.insert_temp(id, wanted));
+    (settled && wanted != read).then_some(wanted)
 }
 
 /// Own files and the link.
