@@ -21,6 +21,9 @@ fn lay_out(
 ) {
     if let Some(size) = wanted.0.take() {
         panels.view.resize(&mut images, size);
+        if panels.eye.visible {
+            panels.eye.resize(&mut images, size);
+        }
     }
 }
 
@@ -98,5 +101,46 @@ fn a_resized_view_keeps_its_picture_until_it_has_another() {
         }
         settle(&mut headless);
         headless.stand_still();
+    }
+}
+
+#[test]
+fn the_eye_is_drawn_at_every_size_on_the_way() {
+    let _alone = alone();
+    let size = UVec2::splat(96);
+    let mut headless = open(
+        session(patient("healthy-blue"), 3),
+        size,
+        size,
+        [true, true],
+    );
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    let lit = |headless: &Headless| {
+        let eye = headless.panel(Which::Eye);
+        let eye = eye.unwrap_or_else(|error| panic!("{error}"));
+        let bright = eye.pixels().filter(|pixel| pixel.0[0] > 60).count();
+        bright as f64 / f64::from(eye.width() * eye.height())
+    };
+    headless.go_to(0.1);
+    headless.finish_frame();
+    let share = lit(&headless);
+    assert!(share > 0.5, "{share}");
+    let world = headless.world();
+    world.init_resource::<Wanted>();
+    world
+        .resource_mut::<Schedules>()
+        .add_systems(PostUpdate, lay_out);
+    // A window's edge that is dragged: the view waits for the end of it, the eye must not.
+    for step in 1..12u32 {
+        let size = UVec2::new(96 + 4 * step, 96 + 2 * step);
+        headless.world().insert_resource(Wanted(Some(size)));
+        headless.go_to(0.1 + 0.05 * f64::from(step));
+        headless.finish_frame();
+        let now = lit(&headless);
+        assert!(
+            (now - share).abs() < 0.15,
+            "step {step}: {now}, not {share}"
+        );
     }
 }

@@ -137,6 +137,8 @@ pub struct Drawn {
     msaa: Option<Msaa>,
     settled: bool,
     unsettled_frames: u32,
+    /// What was drawn when all of it was there: which building of the eye, how smoothly.
+    whole: Option<(u64, Msaa)>,
 }
 
 /// Wakes the camera in frames in which something changed.
@@ -162,7 +164,10 @@ pub fn wake_camera(
         || drawn.version != parts.version
         || drawn.msaa != Some(quality.msaa)
         || (settled && !drawn.settled);
-    let awake = panels.eye.visible && changed && (settled || drawn.unsettled_frames <= 2);
+    // What others wait for, such as the view for a window's new size, is not the eye's to wait for.
+    let this = Some((parts.built, quality.msaa));
+    let may = settled || drawn.unsettled_frames <= 2 || drawn.whole == this;
+    let awake = panels.eye.visible && changed && may;
     for (mut camera, mut msaa) in &mut camera {
         msaa.set_if_neq(quality.msaa);
         if camera.is_active != awake {
@@ -177,6 +182,7 @@ pub fn wake_camera(
             msaa: Some(quality.msaa),
             settled,
             unsettled_frames: drawn.unsettled_frames,
+            whole: if settled { this } else { drawn.whole },
         };
     }
 }

@@ -31,6 +31,8 @@ use bevy::prelude::*;
 pub struct EyeParts {
     /// Counts what the next frame would show differently.
     pub version: u64,
+    /// Counts how often it was built anew.
+    pub built: u64,
     region: Option<EyeRegion>,
     lashes: Option<Lashes>,
     posed: PosedRegion,
@@ -246,6 +248,7 @@ pub fn build_eye(
             RenderLayers::layer(EYE_LAYER),
         ));
     }
+    parts.built += 1;
     parts.skin = Some(skin_mesh);
     parts.lash_mesh = Some(lash_mesh);
     parts.meniscus_mesh = Some(meniscus_mesh);
