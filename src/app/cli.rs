@@ -254,9 +254,9 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => error.exit(),
     };
-    if cli.command.is_some() {
+    if cli.command.is_some() || std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         // Mesa's device-selection layer looks for a compositor and complains on stderr where there
-        // is none; a command without a window has no use for it.
+        // is none; a command without a window has no use for it, nor has one without a session.
         // SAFETY: this is the program's only thread so far.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }

@@ -30,10 +30,16 @@ pub enum WindowError {
     /// Drawing failed.
     #[error("drawing failed: {0}")]
     Drawing(String),
+    /// Ctrl-C, or a signal that means the same.
+    #[error("interrupted")]
+    Interrupted,
     /// The window ended with an error.
     #[error("the window closed with an error")]
     Failed,
 }
+
+/// Exit status after Ctrl-C.
+pub const INTERRUPTED: u8 = 130;
 
 /// The app with its window, not yet running; `start` says what the session does not hold.
 pub fn windowed_app(session: Session, start: LinkState) -> App {
@@ -101,6 +107,8 @@ pub fn run(session: Session, start: LinkState) -> Result<(), WindowError> {
     match (lost::take(), exit) {
         (Some(error), _) => Err(error),
         (None, AppExit::Success) => Ok(()),
+        // What Bevy's own handler of signals says.
+        (None, AppExit::Error(code)) if code.get() == INTERRUPTED => Err(WindowError::Interrupted),
         (None, AppExit::Error(_)) => Err(WindowError::Failed),
     }
 }

@@ -27,6 +27,7 @@ pub(super) fn open(
     let opened = Instant::now();
     match windowed::run(session, start) {
         Ok(()) => Ok(ExitCode::SUCCESS),
+        Err(WindowError::Interrupted) => Ok(ExitCode::from(windowed::INTERRUPTED)),
         Err(WindowError::DeviceLost {
             reason,
             link: Some(link),
