@@ -18,6 +18,16 @@ pub const EYE_LAYER: usize = 30;
 /// Half of the field that the camera shows across its smaller side, rad.
 const HALF_FIELD: f32 = 12.5 * std::f32::consts::PI / 180.0;
 
+/// Largest width of what is shown, in its usual height: there the face ends on the temple's side. Wider
+/// panels come nearer.
+const WIDEST: f32 = 1.08;
+
+/// Vertical field (rad) of a panel whose width is `aspect` times its height.
+fn vertical_field(aspect: f32) -> f32 {
+    let share = (WIDEST / aspect).min(1.0) / aspect.min(1.0);
+    2.0 * (HALF_FIELD.tan() * share).atan()
+}
+
 /// How finely the eye is drawn.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EyeQuality {
@@ -111,7 +121,7 @@ pub fn aim_camera(
 ) {
     for (mut transform, mut projection) in &mut camera {
         let aspect = panels.eye.size.x as f32 / panels.eye.size.y as f32;
-        let fov = 2.0 * (HALF_FIELD.tan() / aspect.min(1.0)).atan();
+        let fov = vertical_field(aspect);
         transform.set_if_neq(orbit.clamped().transform());
         let current = match &*projection {
             Projection::Perspective(perspective) => perspective.fov,
@@ -200,5 +210,27 @@ fn count_pass(view: ViewQuery<(&ExtractedCamera, &EyeCamera)>, ledger: Res<WorkL
     if let Some(size) = camera.physical_target_size {
         ledger.eye_passes(1);
         ledger.eye_pixels(u64::from(size.x) * u64::from(size.y));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_panel_shows_more_than_the_face_or_less_than_the_eye() {
+        let half = HALF_FIELD.tan();
+        for aspect in [0.1, 0.5, 1.0, 1.05, 1.3, 1.9, 4.0] {
+            let up = (0.5 * vertical_field(aspect)).tan();
+            let aside = up * aspect;
+            assert!(aside <= WIDEST * half * 1.0001, "{aspect}: {aside} aside");
+            // The smaller side of an upright panel spans the usual field.
+            assert!(
+                aspect > 1.0 || (aside / half - 1.0).abs() < 1e-5,
+                "{aspect}"
+            );
+            // Lids stand 6 mm above and below the middle, the usual field 20 mm.
+            assert!(aspect > 3.0 || up > 0.3 * half, "{aspect}: {up} up");
+        }
     }
 }
