@@ -48,5 +48,5 @@ pub fn one_clause(error: &dyn std::fmt::Display) -> String {
         quoted.truncate(end);
         quoted.push('…');
     }
-    quoted.trim_end_matches('.').to_owned()
+    quoted.trim_end_matches(['.', ';', ' ']).to_owned()
 }

@@ -41,6 +41,7 @@ fn request(out: &Path) -> RenderRequest {
         orbit: EyeOrbit::default(),
         options: ViewOptions::default(),
         out: out.to_owned(),
+        arguments: Vec::new(),
     }
 }
 

@@ -458,7 +458,14 @@ fn sentence(code: &ron::error::Error) -> String {
             one_clause(found),
             expected.join(", ")
         ),
-        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) | Error::Eof => {
+        Error::SuggestRawIdentifier(found) | Error::InvalidIdentifier(found) => format!(
+            "a name is expected here, not {}; a pupil, say, is Auto or Fixed(4.5)",
+            one_clause(found)
+        ),
+        Error::ExpectedDifferentStructName { .. }
+        | Error::ExpectedStructLike
+        | Error::ExpectedNamedStructLike(_)
+        | Error::Eof => {
             "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)"
                 .into()
         }

@@ -33,7 +33,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Without a command it opens a window: on the left the patient's eye, on the right what the
 /// patient sees.
 #[derive(Parser)]
-#[command(version, max_term_width = 100)]
+#[command(version, max_term_width = 100, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -49,42 +49,41 @@ struct Cli {
 #[derive(Args, Clone)]
 struct Shown {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
-    #[arg(long, global = true, default_value = "healthy-brown", value_name = "P")]
+    #[arg(long, default_value = "healthy-brown", value_name = "P")]
     patient: PathBuf,
     /// A built-in scene (`ocularium scenes`), a glTF or GLB file, or a photograph (PNG, JPEG, WebP,
     /// GIF, TIFF, BMP).
-    #[arg(long, global = true, default_value = "room", value_name = "S")]
+    #[arg(long, default_value = "room", value_name = "S")]
     scene: PathBuf,
     /// Distance of a photograph without a depth image: 0.4m, 40cm, 400mm, inf; 3m without it.
-    #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_at)]
+    #[arg(long, value_name = "LENGTH", value_parser = parse_at, allow_hyphen_values = true)]
     at: Option<f32>,
     /// Height of a photograph: as an angle (20deg, 1 to 120; 50deg without it) or a length (21cm).
-    #[arg(long, global = true, value_name = "HEIGHT", value_parser = parse_span)]
+    #[arg(long, value_name = "HEIGHT", value_parser = parse_span, allow_hyphen_values = true)]
     span: Option<Span>,
     /// What one unit of a glTF file is; the metre without it, as glTF says.
-    #[arg(long, global = true, value_enum, value_name = "UNIT")]
+    #[arg(long, value_enum, value_name = "UNIT")]
     scene_unit: Option<SceneUnit>,
     /// Depth image of a photograph, grey.
-    #[arg(long, global = true, value_name = "IMAGE")]
+    #[arg(long, value_name = "IMAGE")]
     depth: Option<PathBuf>,
     /// What a depth image's codes mean. Without it, 8 bits are inverse, and 16 bits are inverse or
     /// millimetres, whichever is likelier; the report says which.
-    #[arg(
-        long,
-        global = true,
-        value_enum,
-        value_name = "UNIT",
-        requires = "depth"
-    )]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "depth")]
     depth_unit: Option<DepthUnit>,
     /// Distance of white in an inverse depth image; 0.5m without it.
-    #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_length, requires = "depth")]
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true, requires = "depth")]
     depth_near: Option<f32>,
     /// Distance of black in an inverse depth image; infinitely far without it.
-    #[arg(long, global = true, value_name = "LENGTH", value_parser = parse_length, requires = "depth")]
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true, requires = "depth")]
     depth_far: Option<f32>,
     /// Seed of every random choice, 0 to 18446744073709551615.
-    #[arg(long, global = true, default_value_t = 1, value_name = "N")]
+    #[arg(
+        long,
+        default_value_t = 1,
+        value_name = "N",
+        allow_hyphen_values = true
+    )]
     seed: u64,
 }
 
@@ -126,6 +125,8 @@ enum PanelArg {
 
 #[derive(Args)]
 struct RenderArgs {
+    #[command(flatten)]
+    shown: Shown,
     /// Which panels are in the picture.
     #[arg(long, value_enum, default_value = "both")]
     panel: PanelArg,
@@ -133,10 +134,10 @@ struct RenderArgs {
     #[arg(long, default_value = "1280x640", value_name = "WxH", value_parser = parse_size)]
     size: UVec2,
     /// Length in seconds, above 0 to 3600.
-    #[arg(long, default_value_t = 3.0, value_name = "T", value_parser = parse_seconds)]
+    #[arg(long, default_value_t = 3.0, value_name = "T", value_parser = parse_seconds, allow_hyphen_values = true)]
     seconds: f64,
     /// Frames a second, above 0 to 1000.
-    #[arg(long, default_value_t = 10.0, value_name = "F", value_parser = parse_fps)]
+    #[arg(long, default_value_t = 10.0, value_name = "F", value_parser = parse_fps, allow_hyphen_values = true)]
     fps: f64,
     /// The folder for frames, trace.csv and report.json; it is made if it is not there.
     #[arg(long, value_name = "DIR")]
@@ -146,13 +147,18 @@ struct RenderArgs {
     #[arg(long, default_value = "0,0", value_name = "AZ,EL", value_parser = parse_orbit, allow_hyphen_values = true)]
     orbit: [f32; 2],
     /// Distance of that camera from the cornea in mm, 35 to 400.
-    #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance)]
+    #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance, allow_hyphen_values = true)]
     distance: f32,
     /// Draw a ring in the view where the eye looks.
     #[arg(long)]
     marker: bool,
     /// FAST threshold for what may be looked at, 0 to 255.
-    #[arg(long, default_value_t = 20, value_name = "T")]
+    #[arg(
+        long,
+        default_value_t = 20,
+        value_name = "T",
+        allow_hyphen_values = true
+    )]
     threshold: u8,
 }
 
@@ -162,7 +168,7 @@ struct FeatureArgs {
     /// Rec. 709 luma.
     image: PathBuf,
     /// Threshold, 0 to 255: a corner's ring differs by more than this.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     threshold: u8,
     /// Keep corners whose neighbours are as strong or stronger.
     #[arg(long)]
@@ -184,6 +190,9 @@ struct MeasureArgs {
     /// What to measure.
     #[arg(value_enum)]
     table: MeasureTable,
+    /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
+    #[arg(long, default_value = "healthy-brown", value_name = "P")]
+    patient: PathBuf,
     /// A file for the table in place of standard output; its folder is made if it is not there.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -277,13 +286,13 @@ fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
         Some(_) if cli.link.is_some() => {
             return Err("--link opens the window, and goes with no command".into());
         }
-        Some(Command::Render(arguments)) => return render_command(&cli.shown, &arguments),
+        Some(Command::Render(arguments)) => return render_command(&arguments),
         Some(Command::Features(arguments)) => features(&arguments)?,
         Some(Command::Bench(arguments)) => {
             ctrlc::set_handler(crate::lab::bench::interrupt)?;
             crate::lab::bench::run(&arguments.out, arguments.quick)?;
         }
-        Some(Command::Measure(arguments)) => measure_command(&cli.shown, &arguments)?,
+        Some(Command::Measure(arguments)) => measure_command(&arguments)?,
         Some(Command::Patients) => {
             let mut out = std::io::stdout().lock();
             for preset in PRESETS {
@@ -345,7 +354,7 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
     Ok(Session::new(patient, scene, shown.seed))
 }
 
-fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
+fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     let panels = match arguments.panel {
         PanelArg::Eye => PanelChoice::Eye,
         PanelArg::View => PanelChoice::View,
@@ -379,9 +388,11 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
             ..ViewOptions::default()
         },
         out: arguments.out.clone(),
+        arguments: std::env::args_os()
+            .skip(1)
+            .map(|argument| argument.to_string_lossy().into_owned())
+            .collect(),
     };
-    let session = session(shown)?;
-    let told = session.scene.remarks().len();
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // A second Ctrl-C ends the program at once; whole files stay whole either way.
@@ -390,6 +401,8 @@ fn render_command(shown: &Shown, arguments: &RenderArgs) -> Result<ExitCode, Box
             std::process::exit(130);
         }
     })?;
+    let session = session(&arguments.shown)?;
+    let told = session.scene.remarks().len();
     let lively = std::io::stderr().is_terminal();
     let report = render(session, &request, &stop, |done, total| {
         if lively {
@@ -430,8 +443,8 @@ fn conclude(report: &RenderReport, out: &Path) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn measure_command(shown: &Shown, arguments: &MeasureArgs) -> Result<(), Box<dyn Error>> {
-    let eye = measured_eye(&load_patient(&shown.patient)?);
+fn measure_command(arguments: &MeasureArgs) -> Result<(), Box<dyn Error>> {
+    let eye = measured_eye(&load_patient(&arguments.patient)?);
     let Some(file) = &arguments.out else {
         let text = measure(arguments.table, &eye)?;
         return Ok(say(&mut std::io::stdout().lock(), &text)?);

@@ -11,6 +11,7 @@ pub use patient::changes;
 
 use crate::anatomy::{PRESETS, PatientFile, load_patient};
 use crate::appearance::EyeOrbit;
+use crate::motion::gaze::GazeAngles;
 use crate::scene::catalog::BuiltIn;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::fmt::Write;
@@ -259,7 +260,7 @@ impl LinkState {
                     Ok(())
                 }
                 None => refuse(
-                    "auto, follow, or degrees to the right, degrees up and metres, as in 13,-14.5,0.6",
+                    "auto, follow, or degrees to the right, degrees up (at most 55 from straight ahead) and metres (0.02 or more), as in 13,-14.5,0.6",
                 ),
             },
             "orbit" => match parse_three(value) {
@@ -344,6 +345,9 @@ fn parse_three(value: &str) -> Option<[f64; 3]> {
     parts.next().is_none().then_some(three)
 }
 
+/// The nearest that is drawn, m.
+pub const GAZE_NEAREST_M: f64 = 0.02;
+
 fn parse_gaze(value: &str) -> Option<LinkGaze> {
     match value {
         "auto" => return Some(LinkGaze::Auto),
@@ -351,14 +355,18 @@ fn parse_gaze(value: &str) -> Option<LinkGaze> {
         _ => {}
     }
     let [azimuth_deg, elevation_deg, distance_m] = parse_three(value)?;
-    let turn = -180.0..=180.0;
-    (turn.contains(&azimuth_deg) && turn.contains(&elevation_deg) && distance_m > 0.0).then_some(
-        LinkGaze::Fixed {
-            azimuth_deg,
-            elevation_deg,
-            distance_m,
-        },
-    )
+    let turn = -90.0..=90.0;
+    if !turn.contains(&azimuth_deg) || !turn.contains(&elevation_deg) {
+        return None;
+    }
+    let asked = GazeAngles::new(azimuth_deg.to_radians(), elevation_deg.to_radians());
+    // Links hold hundredths of a degree.
+    let within = asked.angle_to(asked.within_range()) < 0.02f64.to_radians();
+    (within && distance_m >= GAZE_NEAREST_M).then_some(LinkGaze::Fixed {
+        azimuth_deg,
+        elevation_deg,
+        distance_m,
+    })
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! sentence that says what is wrong with them.
 
 use crate::anatomy::{PatientFile, parse_patient};
-use crate::scene::catalog::{FileKind, LoadedScene};
+use crate::scene::catalog::{FileKind, LoadedScene, other_format};
 use crate::scene::gltf_file::{Beside, load_gltf_among};
 use crate::scene::photo::{PhotoOptions, load_photo_bytes};
 use std::path::PathBuf;
@@ -104,6 +104,9 @@ fn read_patient(file: &OwnFile, count: usize) -> Result<Own, String> {
     let text = std::str::from_utf8(&file.bytes)
         .ok()
         .filter(|text| !text.contains('\0'));
+    if let Some(reason) = other_format(name) {
+        return Err(format!("\"{name}\" cannot be shown: {reason}."));
+    }
     let Some(text) = text else {
         return Err(format!(
             "\"{name}\" is neither a picture, nor a glTF model, nor a patient file (RON)."

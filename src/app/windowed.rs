@@ -16,9 +16,9 @@ use bevy_egui::{EguiGlobalSettings, EguiPlugin, PrimaryEguiContext};
 pub enum WindowError {
     /// There is no display.
     #[error(
-        "there is no display to open a window on; `ocularium render --out DIR` works without one"
+        "there is no display to open a window on{0}; `ocularium render --out DIR` works without one"
     )]
-    NoDisplay,
+    NoDisplay(String),
     /// The graphics device went away.
     #[error("the graphics device was lost ({reason})")]
     DeviceLost {
@@ -100,8 +100,8 @@ pub fn windowed_app(session: Session, start: LinkState) -> App {
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(session: Session, start: LinkState) -> Result<(), WindowError> {
     #[cfg(all(unix, not(target_os = "macos")))]
-    if !has_display() {
-        return Err(WindowError::NoDisplay);
+    if let Some(reason) = display_fault() {
+        return Err(WindowError::NoDisplay(reason));
     }
     let exit = windowed_app(session, start).run();
     match (lost::take(), exit) {
@@ -113,7 +113,21 @@ pub fn run(session: Session, start: LinkState) -> Result<(), WindowError> {
     }
 }
 
+/// What is wrong with the X display, as the end of a clause; `None` where a window can be opened. The window
+/// library panics where it cannot.
 #[cfg(all(unix, not(target_os = "macos"), not(target_arch = "wasm32")))]
-fn has_display() -> bool {
-    std::env::var_os("DISPLAY").is_some_and(|display| !display.is_empty())
+fn display_fault() -> Option<String> {
+    let name = std::env::var_os("DISPLAY").filter(|name| !name.is_empty());
+    let Some(name) = name else {
+        return Some(String::new());
+    };
+    let Ok(xlib) = x11_dl::xlib::Xlib::open() else {
+        return Some(": the X11 library (libX11) is missing".into());
+    };
+    // SAFETY: a null name means DISPLAY, and what was opened is closed.
+    let opened = unsafe {
+        let display = (xlib.XOpenDisplay)(std::ptr::null());
+        !display.is_null() && (xlib.XCloseDisplay)(display) == 0
+    };
+    (!opened).then(|| format!(": DISPLAY is {name:?}, and nothing answers there"))
 }

@@ -46,6 +46,8 @@ pub struct RenderRequest {
     pub options: ViewOptions,
     /// The folder that gets the files.
     pub out: PathBuf,
+    /// What was asked for in words, for the report.
+    pub arguments: Vec<String>,
 }
 
 /// Why nothing, or not everything, was rendered.
@@ -67,6 +69,8 @@ pub enum RenderError {
 pub struct RenderReport {
     /// The program's version.
     pub version: &'static str,
+    /// The command line's arguments: with them the same is rendered again.
+    pub arguments: Vec<String>,
     /// The patient's name.
     pub patient: String,
     /// The scene's name.
@@ -184,6 +188,7 @@ pub fn render(
     let ready_after_s = started.elapsed().as_secs_f64();
 
     let total = frame_count(request.seconds, request.fps);
+    let earlier = earlier_frames(&request.out);
     let before = headless.work();
     let (mut rows, mut times_ms) = (Vec::new(), Vec::new());
     for frame in 0..total {
@@ -219,7 +224,12 @@ pub fn render(
         remarks.push(nothing_in_view(&scene));
     }
     let frames = rows.len() as u64;
-    let later = later_frames(&request.out, frames)?;
+    let (later, strange) = later_frames(&request.out, frames, earlier)?;
+    if strange > 0 {
+        remarks.push(format!(
+            "The folder holds {strange} more frames that no report counts; they are not of this run."
+        ));
+    }
     // Whoever stops a run may want the longer one that was there before.
     let removed_frames = if frames == total {
         remove(&later)?
@@ -235,6 +245,7 @@ pub fn render(
     let drawn = !times_ms.is_empty();
     let report = RenderReport {
         version: env!("CARGO_PKG_VERSION"),
+        arguments: request.arguments.clone(),
         patient,
         scene,
         panel: request.panels,
@@ -268,7 +279,8 @@ pub fn render(
 /// What is said of a view in which nothing is.
 pub fn nothing_in_view(scene: &str) -> String {
     format!(
-        "Nothing of \"{scene}\" is in the view: its camera, or the eye in its place, looks past it."
+        "Nothing of \"{scene}\" that has a distance is in the view: the eye looks past it, sees its back or its \
+         edge, looks through it, or has it nearer than 2 cm."
     )
 }
 
@@ -294,9 +306,17 @@ fn forget_earlier_run(out: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Frames numbered `frames` and above, which an earlier run left.
-fn later_frames(out: &Path, frames: u64) -> Result<Vec<PathBuf>, WriteError> {
-    let mut later = Vec::new();
+/// Frames that an earlier run into this folder wrote, as its report says; 0 where there is none.
+fn earlier_frames(out: &Path) -> u64 {
+    let report = std::fs::read(out.join("report.json")).unwrap_or_default();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap_or_default();
+    report["frames"].as_u64().unwrap_or(0)
+}
+
+/// Of the frames numbered `frames` and above those that an earlier run left, which wrote `earlier`; and
+/// how many others there are.
+fn later_frames(out: &Path, frames: u64, earlier: u64) -> Result<(Vec<PathBuf>, u64), WriteError> {
+    let (mut later, mut strange) = (Vec::new(), 0);
     for entry in std::fs::read_dir(out).map_err(|error| refused(out, &error))? {
         let path = entry.map_err(|error| refused(out, &error))?.path();
         let number = path
@@ -304,11 +324,14 @@ fn later_frames(out: &Path, frames: u64) -> Result<Vec<PathBuf>, WriteError> {
             .and_then(|name| name.to_str()?.strip_prefix("frame_")?.strip_suffix(".png"))
             .and_then(|digits| digits.parse::<u64>().ok());
         // Only names that this program gives.
-        if number.is_some_and(|number| number >= frames && frame_path(out, number) == path) {
-            later.push(path);
+        let ours = |number: &u64| *number >= frames && frame_path(out, *number) == path;
+        match number.filter(ours) {
+            Some(number) if number < earlier => later.push(path),
+            Some(_) => strange += 1,
+            None => {}
         }
     }
-    Ok(later)
+    Ok((later, strange))
 }
 
 /// Removes files; says how many.
@@ -343,13 +366,10 @@ mod tests {
     #[test]
     fn only_frames_of_an_earlier_run_are_removed() {
         let folder = tempfile::tempdir().expect("a folder");
-        let names = [
-            "frame_00000.png",
-            "frame_00001.png",
-            "frame_00007.png",
-            "frame_100000.png",
-        ];
+        let names = ["frame_00000.png", "frame_00001.png", "frame_00007.png"];
         let others = [
+            "frame_00009.png",
+            "frame_100000.png",
             "frame_7.png",
             "frame_00008.jpg",
             "frame_.png",
@@ -358,8 +378,14 @@ mod tests {
         for name in names.iter().chain(&others) {
             std::fs::write(folder.path().join(name), b"x").expect("written");
         }
-        let later = later_frames(folder.path(), 2).expect("a folder");
-        assert_eq!(remove(&later).expect("removed"), 2);
+        let counted = earlier_frames(folder.path());
+        let (later, strange) = later_frames(folder.path(), 2, counted).expect("a folder");
+        assert_eq!((later.len(), strange), (0, 3), "no report counts them");
+        let report = folder.path().join("report.json");
+        std::fs::write(&report, r#"{"frames": 8}"#).expect("written");
+        let counted = earlier_frames(folder.path());
+        let (later, strange) = later_frames(folder.path(), 2, counted).expect("a folder");
+        assert_eq!((remove(&later).expect("removed"), strange), (1, 2));
         for name in names[..2].iter().chain(&others) {
             assert!(folder.path().join(name).exists(), "{name}");
         }

@@ -75,16 +75,33 @@ impl FileKind {
             .extension()
             .map(|extension| extension.to_string_lossy().to_lowercase());
         let extension = extension.as_deref().unwrap_or("");
-        if bytes.starts_with(b"glTF") || matches!(extension, "gltf" | "glb") {
+        if bytes.starts_with(b"glTF") {
             Some(Self::Model)
-        } else if image::guess_format(bytes).is_ok()
-            || foreign_format(bytes).is_some()
-            || matches!(extension, "png" | "jpg" | "jpeg")
-        {
+        } else if image::guess_format(bytes).is_ok() {
+            Some(Self::Picture)
+        } else if matches!(extension, "gltf" | "glb") {
+            Some(Self::Model)
+        } else if foreign_format(bytes).is_some() || matches!(extension, "png" | "jpg" | "jpeg") {
             Some(Self::Picture)
         } else {
             None
         }
+    }
+}
+
+/// What a file of a format without a mark is, by its name, and what to do about it.
+pub fn other_format(name: impl AsRef<Path>) -> Option<String> {
+    let extension = name.as_ref().extension()?.to_string_lossy().to_lowercase();
+    match &*extension {
+        "obj" | "fbx" | "stl" | "ply" | "blend" | "dae" | "3ds" | "usd" | "usda" | "usdc"
+        | "usdz" | "abc" | "x3d" | "wrl" | "step" | "stp" | "max" | "c4d" => Some(format!(
+            "it is a model in another format (.{extension}), which is not read: export it as glTF (.glb)"
+        )),
+        "tga" | "pcx" | "eps" | "xcf" | "kra" | "cr2" | "nef" | "arw" | "dng" | "raf" | "orf"
+        | "rw2" => Some(format!(
+            "it is a picture in another format (.{extension}), which is not read: save it as PNG or JPEG"
+        )),
+        _ => None,
     }
 }
 
@@ -182,7 +199,9 @@ impl SceneSource {
             None => Err(SceneError::Malformed {
                 source_name: shown,
                 kind: "scene",
-                reason: format!("it is neither glTF (.gltf, .glb) nor a {READABLE}"),
+                reason: other_format(path).unwrap_or_else(|| {
+                    format!("it is neither glTF (.gltf, .glb) nor a {READABLE}")
+                }),
             }),
         }
     }

@@ -90,6 +90,27 @@ pub fn read_depth(
     if !fill_from_neighbours(&mut map) {
         return Err(fault("every pixel is 0, which is no measurement".into()));
     }
+    let (own, its) = (
+        map.width() as f32 / map.height() as f32,
+        size.0 as f32 / size.1 as f32,
+    );
+    if (own / its - 1.0).abs() > 0.03 {
+        remarks.push(format!(
+            "The depth image \"{name}\" is {}×{} pixels and the photograph {}×{}: it is stretched to that shape; perhaps \
+             one of them lies on its side.",
+            map.width(), map.height(), size.0, size.1
+        ));
+    }
+    let nearest_d = map
+        .pixels()
+        .map(|vergence| vergence.0[0])
+        .fold(0.0, f32::max);
+    if nearest_d > 50.0 {
+        remarks.push(format!(
+            "The nearest place of the depth image \"{name}\" is {:.1} mm away: is its unit another?",
+            1e3 / nearest_d
+        ));
+    }
     if map.dimensions() != size {
         map = resized(map, size);
     }
@@ -257,7 +278,7 @@ mod tests {
     #[test]
     fn codes_too_short_for_their_unit_are_said() {
         let grey =
-            DynamicImage::ImageLuma8(ImageBuffer::from_raw(4, 1, vec![255, 128, 9, 1]).unwrap());
+            DynamicImage::ImageLuma8(ImageBuffer::from_raw(4, 1, vec![255, 128, 99, 70]).unwrap());
         for (unit, wanted) in [
             (DepthUnit::Millimetres, Some((0, 0.255, "0.255 m"))),
             (DepthUnit::Dioptres, Some((0, 1.0 / 0.255, "3.9 m"))),
@@ -273,8 +294,34 @@ mod tests {
                 }
                 None => assert!(remarks.is_empty(), "{remarks:?}"),
             }
-            assert!(read(&sixteen([255, 128, 9, 1]), Some(unit)).1.is_empty());
+            assert!(
+                read(&sixteen([25500, 12800, 900, 700]), Some(unit))
+                    .1
+                    .is_empty()
+            );
         }
+    }
+
+    #[test]
+    fn another_shape_and_odd_distances_are_said() {
+        let options = PhotoOptions {
+            depth_unit: Some(DepthUnit::Millimetres),
+            ..PhotoOptions::default()
+        };
+        let said = |codes: [u16; 4], size: (u32, u32)| {
+            read_depth(&sixteen(codes), "d.png", size, &options)
+                .unwrap()
+                .1
+        };
+        assert!(said([900; 4], (4, 1)).is_empty() && said([900; 4], (80, 20)).is_empty());
+        // The photograph is upright, its depth image lies on its side.
+        let remarks = said([900; 4], (1, 4));
+        assert!(
+            remarks[0].contains("4×1") && remarks[0].contains("1×4"),
+            "{remarks:?}"
+        );
+        let remarks = said([2, 900, 900, 900], (4, 1));
+        assert!(remarks[0].contains("2.0 mm away"), "{remarks:?}");
     }
 
     #[test]

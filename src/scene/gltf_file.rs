@@ -20,6 +20,7 @@ use std::collections::{HashMap, HashSet};
 
 mod accessors;
 mod beside;
+mod blends;
 mod coordinates;
 mod framing;
 mod lights;
@@ -33,13 +34,16 @@ use coordinates::{Layout, UvMap};
 use framing::{frame, odd_size};
 use lights::{default_lights, read_light};
 use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
-use refusals::{check_extensions, unparsed};
+use refusals::{check_extensions, compression_used, unread};
+use surfaces::Surfaces;
 
 /// Largest number of triangles that is accepted.
 pub const MAX_TRIANGLES: usize = 20_000_000;
 /// Luminance of an emissive factor of 1, cd/m²: that of white in the default lights.
 pub const EMISSION_CD_M2: f32 = UNLIT_WHITE_CD_M2;
 
+/// Largest mean luminance of a view, cd/m²: that of the sun's disc, and the pupil's model ends there.
+const BRIGHTEST_CD_M2: f64 = 1e9;
 const MAX_NODES: usize = 1_000_000;
 const MAX_NODE_DEPTH: usize = 256;
 
@@ -116,12 +120,12 @@ fn load(
     beside: Beside,
     unit_m: Option<f32>,
 ) -> Result<SceneModel, SceneError> {
-    let gltf::Gltf { document, blob } =
-        gltf::Gltf::from_slice_without_validation(bytes).map_err(|error| {
-            unparsed(bytes, name).unwrap_or_else(|| malformed(name, one_clause(&error)))
-        })?;
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)
+        .map_err(|error| malformed(name, one_clause(&error)))?;
     let mut json = document.into_json();
     check_extensions(&json, name)?;
+    let compression = compression_used(&json, name);
+    let unread = unread(&json, name);
     let quantised = json
         .extensions_used
         .iter()
@@ -158,8 +162,8 @@ fn load(
             }
         }
     }
-    let document =
-        gltf::Document::from_json(json).map_err(|error| malformed(name, one_clause(&error)))?;
+    let document = gltf::Document::from_json(json)
+        .map_err(|error| compression.unwrap_or_else(|| malformed(name, one_clause(&error))))?;
     let buffers = read_buffers(&document, blob, name, beside)?;
     let source = Source {
         name,
@@ -168,7 +172,11 @@ fn load(
         blank,
         quantised,
     };
-    let (mut materials, textures) = surfaces::read(&document, &source)?;
+    let Surfaces {
+        mut materials,
+        textures,
+        remarks: damaged,
+    } = surfaces::read(&document, &source)?;
     materials.push(super::model::SceneMaterial::default());
     let mut scene = SceneModel {
         name: name.into(),
@@ -179,6 +187,8 @@ fn load(
     };
     let root = Mat4::from_scale(Vec3::splat(unit_m.unwrap_or(1.0)));
     scene.remarks = left_out(&document, name);
+    scene.remarks.extend(unread);
+    scene.remarks.extend(damaged);
     let camera = walk(&document, &source, root, &mut scene)?;
     if scene.triangle_count() == 0 {
         return Err(source.content("it has no meshes with triangles"));
@@ -188,10 +198,18 @@ fn load(
         scene.lights = default_lights(&scene.eye);
     }
     scene.validate()?;
+    blends::settle(&mut scene);
     if unit_m.is_none() {
         scene.remarks.extend(odd_size(&scene));
     }
     scene.mean_luminance_cd_m2 = Tracer::new(&scene).mean_luminance_cd_m2(24);
+    let brightness = scene.mean_luminance_cd_m2;
+    if !(0.0..=BRIGHTEST_CD_M2).contains(&brightness) {
+        return Err(source.content(format!(
+            "its lamps make it {brightness:.1e} cd/m² bright, but it may have at most {BRIGHTEST_CD_M2:.0e}, as the \
+             sun's disc has: lamps are in candela and lux"
+        )));
+    }
     Ok(scene)
 }
 
@@ -274,6 +292,7 @@ fn walk(
                     lens.index()
                 ));
             } else {
+                scene.remarks.extend(odd_angle(&lens, source.name));
                 camera = Some(
                     eye_of_camera(&lens, world)
                         .ok_or_else(|| source.content("its camera has no usable orientation"))?,
@@ -459,7 +478,7 @@ fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
         gltf::camera::Projection::Perspective(p) => (p.yfov(), p.aspect_ratio().unwrap_or(1.0)),
         gltf::camera::Projection::Orthographic(_) => return None,
     };
-    let vertical = vertical.clamp(0.02, 2.6);
+    let vertical = vertical.clamp(CAMERA_RAD[0], CAMERA_RAD[1]);
     let horizontal = 2.0 * ((0.5 * vertical).tan() * aspect.clamp(0.1, 10.0)).atan();
     position.is_finite().then(|| EyePlacement {
         position_m: position.into(),
@@ -467,6 +486,25 @@ fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
         up: up.into(),
         vertical_fov_deg: vertical.to_degrees(),
         horizontal_fov_deg: horizontal.to_degrees(),
+    })
+}
+
+/// Vertical angles of a camera that are shown, rad: 1° to 149°.
+const CAMERA_RAD: [f32; 2] = [0.02, 2.6];
+
+/// A remark on a camera whose angle is not one.
+fn odd_angle(camera: &gltf::Camera, name: &str) -> Option<String> {
+    let gltf::camera::Projection::Perspective(lens) = camera.projection() else {
+        return None;
+    };
+    let [least, most] = CAMERA_RAD;
+    (!(least..=most).contains(&lens.yfov())).then(|| {
+        format!(
+            "\"{name}\": its camera {} has a vertical angle (yfov) of {}, and is shown with the nearest of {least} to \
+             {most} rad.",
+            camera.index(),
+            lens.yfov()
+        )
     })
 }
 

@@ -402,7 +402,7 @@ pub enum SceneError {
         reason: String,
     },
     /// It has zero bytes.
-    #[error("The scene file \"{source_name}\" is empty.")]
+    #[error("\"{source_name}\" is empty.")]
     Empty {
         /// The path as given.
         source_name: String,
@@ -427,7 +427,7 @@ pub enum SceneError {
     },
     /// Neither a built-in scene nor a file.
     #[error(
-        "There is no scene \"{name}\"; the built-in ones are {known}, and a .gltf, .glb, .png or .jpg file can be given instead."
+        "There is no scene \"{name}\"; the built-in ones are {known}, and a file can be given instead: a glTF model (.gltf, .glb) or a photograph (.png, .jpg, .webp, .gif, .tif, .bmp)."
     )]
     Unknown {
         /// What was asked for.

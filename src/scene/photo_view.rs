@@ -1,5 +1,5 @@
 //! A photograph as the two images that the view is captured from: colour and vergence at the
-//! panel's size, cropped to its shape about the middle.
+//! panel's size. All of it is in the view; what the panel has beside it is dark.
 
 use super::photo::PhotoScene;
 use bevy::asset::RenderAssetUsages;
@@ -8,11 +8,23 @@ use bevy::math::{UVec2, Vec2};
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use half::f16;
 
+/// Tangent of half the widest angle that a panel spans so that all of a photograph is in it (60°): of a
+/// longer strip the ends are cut off.
+const WIDEST_TAN: f32 = 1.732;
+
+/// Texels of the photograph along a pixel of the panel.
+fn scale_of(source: Vec2, size: Vec2, tan_half_height: f32) -> f32 {
+    let sides = source / size;
+    let widest = WIDEST_TAN / tan_half_height * source.y / size.max_element();
+    sides.max_element().min(widest).max(sides.min_element())
+}
+
 /// Colour (RGBA16F, linear), vergence (R32F, 1/m), and the angle (degrees) that the panel's smaller
 /// side now spans.
 pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
     let source = Vec2::new(photo.width as f32, photo.height as f32);
-    let scale = (source / size.as_vec2()).min_element();
+    let full_half = (0.5 * photo.vertical_fov_deg.to_radians()).tan();
+    let scale = scale_of(source, size.as_vec2(), full_half);
     let crop = size.as_vec2() * scale;
     let corner = (source - crop) * 0.5;
     let mut colour = Vec::with_capacity((size.x * size.y * 8) as usize);
@@ -20,8 +32,10 @@ pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
     for y in 0..size.y {
         for x in 0..size.x {
             let low = corner + Vec2::new(x as f32, y as f32) * scale;
+            let covered = (low + scale).min(source) - low.max(Vec2::ZERO);
+            let share = (covered.max(Vec2::ZERO) / scale).element_product();
             for channel in mean_colour(photo, low, low + scale) {
-                colour.extend_from_slice(&f16::from_f32(channel).to_le_bytes());
+                colour.extend_from_slice(&f16::from_f32(channel * share).to_le_bytes());
             }
             colour.extend_from_slice(&f16::ONE.to_le_bytes());
             // Distances are not averaged: between two surfaces there is nothing.
@@ -37,7 +51,6 @@ pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
             vergence.extend_from_slice(&value.to_le_bytes());
         }
     }
-    let full_half = (0.5 * photo.vertical_fov_deg.to_radians()).tan();
     let half = full_half * crop.min_element() / source.y;
     (
         image(size, TextureFormat::Rgba16Float, colour),
@@ -83,4 +96,81 @@ fn image(size: UVec2, format: TextureFormat, data: Vec<u8>) -> Image {
     image.data = Some(data);
     image.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
     image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::photo::PhotoDepth;
+    use super::*;
+
+    fn white(width: u32, height: u32, vertical_fov_deg: f32) -> PhotoScene {
+        PhotoScene {
+            name: "p".into(),
+            width,
+            height,
+            rgb16_srgb: vec![u16::MAX; (width * height * 3) as usize],
+            depth_m: PhotoDepth::Constant(0.5),
+            vertical_fov_deg,
+            mean_luminance_cd_m2: 250.0,
+            remarks: Vec::new(),
+        }
+    }
+
+    /// Light of a panel's pixels, row by row, and the angle of its smaller side.
+    fn shown(photo: &PhotoScene, size: UVec2) -> (Vec<f32>, f32) {
+        let (colour, vergence, angle_deg) = photo_images(photo, size);
+        let colour = colour.data.expect("colours");
+        let red = colour
+            .chunks_exact(8)
+            .map(|rgba| f16::from_le_bytes([rgba[0], rgba[1]]).to_f32());
+        let vergence = vergence.data.expect("vergences");
+        assert!(
+            vergence
+                .chunks_exact(4)
+                .all(|bytes| bytes == 2f32.to_le_bytes())
+        );
+        (red.collect(), angle_deg)
+    }
+
+    #[test]
+    fn all_of_a_photograph_is_in_every_panel() {
+        // Upright in a broad panel: dark at both sides, and as high as it is said to be.
+        let (light, angle_deg) = shown(&white(30, 60, 40.0), UVec2::new(80, 40));
+        for row in light.chunks_exact(80) {
+            let wanted = |x: usize| if (30..50).contains(&x) { 1.0 } else { 0.0 };
+            assert!(
+                row.iter().enumerate().all(|(x, light)| *light == wanted(x)),
+                "{row:?}"
+            );
+        }
+        assert!((angle_deg - 40.0).abs() < 1e-4, "{angle_deg}");
+        // Broad in an upright panel: dark above and below, the panel's width spans the picture's.
+        let (light, angle_deg) = shown(&white(60, 30, 40.0), UVec2::new(40, 80));
+        assert_eq!(light.iter().filter(|light| **light == 1.0).count(), 40 * 20);
+        let width_deg = 2.0 * (2.0 * 20f32.to_radians().tan()).atan().to_degrees();
+        assert!(
+            (angle_deg - width_deg).abs() < 1e-3,
+            "{angle_deg}, not {width_deg}"
+        );
+        // Where an edge falls into a pixel, that has its share.
+        let (light, _) = shown(&white(30, 60, 40.0), UVec2::new(41, 40));
+        let whole: f32 = light[..41].iter().sum();
+        assert!(
+            (whole - 20.0).abs() < 1e-2 && light.contains(&0.5),
+            "{:?}",
+            &light[..41]
+        );
+        // The same shape fills it, at any size.
+        for side in [17, 60, 200] {
+            let (light, angle_deg) = shown(&white(60, 60, 40.0), UVec2::splat(side));
+            assert!(light.iter().all(|light| *light == 1.0) && (angle_deg - 40.0).abs() < 1e-4);
+        }
+        // A long strip is cut at its ends rather than seen under more than 120°.
+        let (light, angle_deg) = shown(&white(2000, 20, 50.0), UVec2::splat(100));
+        let rows = light.iter().filter(|light| **light > 0.0).count() / 100;
+        assert!(
+            (angle_deg - 120.0).abs() < 0.1 && (25..30).contains(&rows),
+            "{angle_deg}, {rows}"
+        );
+    }
 }

@@ -8,10 +8,13 @@
 mod colour;
 mod jpeg;
 
+use super::catalog::other_format;
 use super::model::SceneError;
 use super::photo::{MAX_SIDE_PX, MAX_TEXELS};
 use crate::input_file::one_clause;
-use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Limits, Rgb};
+use image::{
+    DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, Rgb,
+};
 use std::io::Cursor;
 
 /// The formats that are read, for sentences.
@@ -55,7 +58,11 @@ pub fn decode_picture(
     let alone = png_picture_alone(bytes)
         .and_then(|png| decode_as_it_is(&png, source_name, min_side, meaning).ok());
     let Some(mut picture) = alone else {
-        return Err(error);
+        // A camera's raw picture, for one, passes for a TIFF.
+        return Err(match (other_format(source_name), error) {
+            (Some(reason), SceneError::Malformed { .. }) => malformed(source_name, reason),
+            (_, error) => error,
+        });
     };
     picture.remarks.push(format!(
         "\"{source_name}\": what its file says beside the picture, such as its colour space, is broken \
@@ -64,17 +71,21 @@ pub fn decode_picture(
     Ok(picture)
 }
 
+fn malformed(source_name: &str, reason: String) -> SceneError {
+    SceneError::Malformed {
+        source_name: source_name.into(),
+        kind: READABLE,
+        reason,
+    }
+}
+
 fn decode_as_it_is(
     bytes: &[u8],
     source_name: &str,
     min_side: u32,
     meaning: Meaning,
 ) -> Result<PictureFile, SceneError> {
-    let malformed = |reason: String| SceneError::Malformed {
-        source_name: source_name.into(),
-        kind: READABLE,
-        reason,
-    };
+    let malformed = |reason: String| malformed(source_name, reason);
     let format = readable_format(bytes).map_err(malformed)?;
     if let Some(announced) = png_size(bytes) {
         // The decoder would speak of memory.
@@ -82,7 +93,7 @@ fn decode_as_it_is(
     }
     let mut decoder = ImageReader::with_format(Cursor::new(bytes), format)
         .into_decoder()
-        .map_err(|error| malformed(one_clause(&error)))?;
+        .map_err(|error| malformed(fault(&error)))?;
     check_size(decoder.dimensions(), min_side).map_err(malformed)?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE_PX);
@@ -91,7 +102,7 @@ fn decode_as_it_is(
     limits.max_alloc = Some(MAX_TEXELS * 8 + (64 << 20));
     decoder
         .set_limits(limits)
-        .map_err(|error| malformed(one_clause(&error)))?;
+        .map_err(|error| malformed(fault(&error)))?;
     let mut remarks = Vec::new();
     // A turn that cannot be read is none, as with the invalid value 0.
     let turn = decoder.orientation().ok();
@@ -107,10 +118,10 @@ fn decode_as_it_is(
             if facts.channels_follow_one_another {
                 jpeg::decode_channel_by_channel(bytes).map_err(malformed)?
             } else {
-                DynamicImage::from_decoder(decoder).map_err(|e| malformed(one_clause(&e)))?
+                DynamicImage::from_decoder(decoder).map_err(|e| malformed(fault(&e)))?
             }
         }
-        _ => DynamicImage::from_decoder(decoder).map_err(|e| malformed(one_clause(&e)))?,
+        _ => DynamicImage::from_decoder(decoder).map_err(|e| malformed(fault(&e)))?,
     };
     if let Some(turn) = turn {
         image.apply_orientation(turn);
@@ -140,6 +151,19 @@ fn png_picture_alone(bytes: &[u8]) -> Option<Vec<u8>> {
         rest = after;
     }
     Some(alone)
+}
+
+/// Why a picture is not decoded, in a user's words.
+fn fault(error: &ImageError) -> String {
+    let clause = one_clause(error);
+    match error {
+        _ if clause.starts_with("it is cut off") => clause,
+        ImageError::Limits(_) => clause,
+        ImageError::Unsupported(_) => {
+            "it is stored in a way that is not read: save it again as PNG or JPEG".into()
+        }
+        _ => "its data are damaged or cut off".into(),
+    }
 }
 
 /// Width and height in the header of a PNG.
@@ -176,8 +200,13 @@ fn readable_format(bytes: &[u8]) -> Result<ImageFormat, String> {
     use ImageFormat::{Bmp, Gif, Jpeg, Png, Tiff, WebP};
     match image::guess_format(bytes) {
         Ok(format @ (Png | Jpeg | WebP | Gif | Tiff | Bmp)) => Ok(format),
-        _ => Err(foreign_format(bytes).map_or_else(
-            || "its content is of no known picture format".into(),
+        other => Err(foreign_format(bytes).map_or_else(
+            || match other.ok().and_then(|format| format.extensions_str().first().copied()) {
+                Some(extension) => format!(
+                    "it is a picture in another format (.{extension}), which is not read: save it as PNG or JPEG"
+                ),
+                None => "its content is of no known picture format".into(),
+            },
             |name| format!("it is {name}, which is not read: save it as PNG or JPEG"),
         )),
     }

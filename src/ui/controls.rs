@@ -10,8 +10,8 @@ use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
 use bevy_egui::egui::{self, Ui};
 
-/// Draws every control.
-pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: &mut OwnScene) {
+/// The title, and the button that puts the controls away: it must not scroll away with them.
+pub fn head(ui: &mut Ui, state: &mut UiState) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         ui.heading("Ocularium");
@@ -22,6 +22,10 @@ pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: 
             }
         });
     });
+}
+
+/// Draws every control.
+pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: &mut OwnScene) {
     chosen::patient(ui, state, controlled);
     chosen::scene(ui, state, controlled);
     chosen::placement(ui, state, controlled, own);
@@ -68,9 +72,6 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         state.places.insert("seed", field.rect);
         super::touch::raise_keyboard(&field);
         let valid = state.seed.trim().parse::<u64>();
-        if valid.is_err() {
-            ui.colored_label(ui.visuals().error_fg_color, "a whole number from 0");
-        }
         if field.lost_focus()
             && let Ok(seed) = valid
             && seed != controlled.session.seed
@@ -80,6 +81,13 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
                 .write(SessionCommand::Restart(seed));
         }
     });
+    if state.seed.trim().parse::<u64>().is_err() {
+        // Below the field: beside it there is no room for it, and the pictures would have to make some.
+        ui.colored_label(
+            ui.visuals().error_fg_color,
+            "The seed is a whole number from 0 to 18446744073709551615.",
+        );
+    }
     let slider = ui.add(
         egui::Slider::new(&mut clock.speed, 0.05..=4.0)
             .logarithmic(true)

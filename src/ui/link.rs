@@ -1,9 +1,11 @@
 //! The link of what is shown: read when the app starts or the link changes, and written as things change.
 
 use super::state::{Controlled, GazeMode, Shown, UiState};
+use crate::app::link::GAZE_NEAREST_M;
 use crate::app::link::{LinkGaze, LinkState};
 use crate::app::{Session, SessionCommand, SimulationClock};
 use crate::motion::MotionCommand;
+use crate::motion::gaze::GazeAngles;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use bevy::prelude::*;
 
@@ -36,6 +38,8 @@ pub(super) fn built_in(scene: &LoadedScene) -> Option<BuiltIn> {
 pub(super) fn current(state: &UiState, app: &Shown) -> LinkState {
     let (session, clock) = (&app.session, &app.clock);
     let (azimuth_rad, elevation_rad, distance_m) = state.fixed_at;
+    // What is looked at may be farther aside than the eye turns.
+    let at = GazeAngles::new(azimuth_rad, elevation_rad).within_range();
     LinkState {
         patient: session.patient.clone(),
         scene: built_in(&session.scene).unwrap_or(BuiltIn::Room),
@@ -45,9 +49,9 @@ pub(super) fn current(state: &UiState, app: &Shown) -> LinkState {
             GazeMode::Auto => LinkGaze::Auto,
             GazeMode::Follow => LinkGaze::Follow,
             GazeMode::Fixed => LinkGaze::Fixed {
-                azimuth_deg: azimuth_rad.to_degrees(),
-                elevation_deg: elevation_rad.to_degrees(),
-                distance_m,
+                azimuth_deg: at.azimuth_rad.to_degrees(),
+                elevation_deg: at.elevation_rad.to_degrees(),
+                distance_m: distance_m.max(GAZE_NEAREST_M),
             },
         },
         held_pupil_mm: state.held_pupil_mm,
@@ -107,7 +111,7 @@ pub(super) fn start(
 /// After every restart gaze goes where the controls say, and a clock that is to stand still does.
 pub(super) fn keep_promises(
     session: Res<Session>,
-    state: Res<UiState>,
+    mut state: ResMut<UiState>,
     mut clock: ResMut<SimulationClock>,
     mut still: ResMut<StandStill>,
     mut motion_commands: MessageWriter<MotionCommand>,
@@ -115,7 +119,9 @@ pub(super) fn keep_promises(
 ) {
     if *restarts != Some(session.restarts) {
         *restarts = Some(session.restarts);
-        if state.gaze == GazeMode::Fixed {
+        if state.gaze != GazeMode::Auto {
+            // Who follows the pointer stays where it was until it moves.
+            state.followed = None;
             motion_commands.write(MotionCommand::Gaze(state.gaze_command()));
         }
     }

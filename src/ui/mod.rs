@@ -283,6 +283,7 @@ fn draw(
     };
     if let Some(panel) = panel.take() {
         panel.show(&mut root, |ui| {
+            controls::head(ui, &mut state);
             egui::ScrollArea::vertical().show(ui, |ui| {
                 controls::draw(ui, &mut state, &mut controlled, &mut own);
             });

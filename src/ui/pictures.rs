@@ -262,9 +262,15 @@ fn view(
             state.fixed_at = (azimuth_rad, elevation_rad, distance_m);
             state.gaze_command()
         })
-    } else if state.gaze == GazeMode::Follow && ui.input(|input| input.pointer.is_moving()) {
-        response.hover_pos().map(|at| {
+    } else if state.gaze == GazeMode::Follow {
+        // egui knows a moving pointer only by several frames a tenth of a second.
+        let moved = response
+            .hover_pos()
+            .filter(|at| state.followed != Some(*at));
+        moved.map(|at| {
+            state.followed = Some(at);
             let (azimuth_rad, elevation_rad, distance_m) = target(at);
+            state.fixed_at = (azimuth_rad, elevation_rad, distance_m);
             GazeCommand::Follow {
                 azimuth_rad,
                 elevation_rad,

@@ -40,6 +40,8 @@ pub struct UiState {
     pub gaze: GazeMode,
     /// Where gaze stays while it is fixed.
     pub fixed_at: Place,
+    /// Where the pointer was when gaze followed it last.
+    pub followed: Option<egui::Pos2>,
     /// Pupil held by hand, mm.
     pub held_pupil_mm: Option<f64>,
     /// The seed as typed.
@@ -82,6 +84,7 @@ impl Default for UiState {
             toggle_controls: false,
             gaze: GazeMode::Auto,
             fixed_at: (0.0, 0.0, f64::INFINITY),
+            followed: None,
             held_pupil_mm: None,
             seed: "1".into(),
             changes: String::new(),

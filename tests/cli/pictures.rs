@@ -82,10 +82,9 @@ fn a_page_at_reading_distance_is_for_the_young() {
     let kept = ink(&old) / ink(&young);
     assert!((kept - 1.0).abs() < 0.005, "{kept} of the ink");
     // Sixty years leave half a dioptre of the 2.5 that 0.4 m asks for. A disc of 2 D times the pupil has a
-    // standard deviation of a quarter of its width. The page, 840 by 1188 texels and 29.4° high, fills the
-    // view with its width: of its height 630 texels are seen.
+    // standard deviation of a quarter of its width. The page is as high as the view, 29.4°.
     let error = |defocus_d: f64| {
-        let half_height = (0.5 * 29.4f64.to_radians()).tan() * 630.0 / 1188.0;
+        let half_height = (0.5 * 29.4f64.to_radians()).tan();
         let sigma_px = 0.25 * defocus_d * pupil_mm * 1e-3 * 120.0 / half_height;
         let blurred = blurred(&young, sigma_px);
         let squares = blurred.iter().zip(old.iter());

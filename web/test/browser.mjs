@@ -6,6 +6,7 @@
 import assert from "node:assert/strict";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 import { DIST, serve } from "../serve.mjs";
 import { checkDeviceLoss, checkHiding, DEVICES, SLEEPER } from "./device.mjs";
 import {
@@ -243,6 +244,10 @@ async function main() {
     name: "a browser without WebGPU gets a sentence",
     setUp: (fresh) => fresh.addInitScript(() => Object.defineProperty(navigator, "gpu", { value: undefined })),
     wanted: [/needs WebGPU/, /does not have/, /Chrome/, /Firefox/, /Safari/],
+  });
+  await checkSentence(browser, pathToFileURL(join(DIST, "index.html")).href, {
+    name: "a page that is opened as a file gets a sentence",
+    wanted: [/web server/, /dev web/],
   });
   await checkSentence(browser, url, {
     name: "a module that cannot be loaded gets a sentence",

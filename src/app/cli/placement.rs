@@ -67,9 +67,11 @@ pub(super) fn parse_length(text: &str) -> Result<f32, String> {
         .into_iter()
         .find_map(|(unit, unit_m)| Some((text.strip_suffix(unit)?, unit_m)))
         .ok_or_else(wrong)?;
+    let is_infinite = number.trim() == "inf";
     let number: f64 = number.trim().parse().map_err(|_| wrong())?;
     let length_m = (number * unit_m) as f32;
-    if length_m > 0.0 {
+    // What is no number of an f32 was not meant.
+    if length_m > 0.0 && length_m.is_infinite() == is_infinite {
         Ok(length_m)
     } else {
         Err(wrong())
@@ -120,6 +122,18 @@ pub(super) fn photo_options(shown: &Shown) -> Result<PhotoOptions, String> {
     if scaled && !matches!(shown.depth_unit, None | Some(DepthUnit::Inverse)) {
         return Err("--depth-near and --depth-far go with --depth-unit inverse only".into());
     }
+    if let Some(near_m) = shown.depth_near.filter(|near_m| *near_m < 0.02) {
+        return Err(format!(
+            "--depth-near is {near_m} m, nearer than 2 cm, the nearest that is drawn"
+        ));
+    }
+    let near_m = shown.depth_near.unwrap_or(usual.near_m);
+    let far_m = shown.depth_far.unwrap_or(usual.far_m);
+    if far_m <= near_m {
+        return Err(format!(
+            "--depth-far is {far_m} m, but must be farther than --depth-near, which is {near_m} m"
+        ));
+    }
     let flat_depth_m = shown.at.unwrap_or(usual.flat_depth_m);
     let vertical_fov_deg = match shown.span {
         None => usual.vertical_fov_deg,
@@ -140,8 +154,8 @@ pub(super) fn photo_options(shown: &Shown) -> Result<PhotoOptions, String> {
     Ok(PhotoOptions {
         // Who says where white and black stand says that they are shares between them.
         depth_unit: shown.depth_unit.or(scaled.then_some(DepthUnit::Inverse)),
-        near_m: shown.depth_near.unwrap_or(usual.near_m),
-        far_m: shown.depth_far.unwrap_or(usual.far_m),
+        near_m,
+        far_m,
         flat_depth_m,
         vertical_fov_deg,
     })

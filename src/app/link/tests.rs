@@ -70,6 +70,9 @@ fn what_cannot_be_obeyed_is_said_and_the_rest_is_obeyed() {
         ("panels=all", &["all", "both, eye, view or none"]),
         ("gaze=1,2", &["1,2", "13,-14.5,0.6"]),
         ("gaze=1,2,0", &["gaze"]),
+        ("gaze=80,-80,1", &["gaze", "55"]),
+        ("gaze=45,40,1", &["gaze", "55"]),
+        ("gaze=1,2,0.001", &["gaze", "0.02"]),
         ("gaze=NaN,2,1", &["gaze"]),
         ("orbit=90,0,93", &["orbit", "-85 to 85"]),
         ("pupil_mm=12", &["pupil_mm", "12", "1 to 9"]),
@@ -150,7 +153,7 @@ proptest! {
         patient in patients(),
         seed in any::<u64>(),
         shown in any::<[bool; 2]>(),
-        hundredths in (-5500i32..5500, -5500i32..5500, 1i32..100_000),
+        hundredths in (-3800i32..3800, -3800i32..3800, 2i32..100_000),
         fixed in any::<bool>(),
         paused in proptest::option::of(0u32..3_600_000),
     ) {

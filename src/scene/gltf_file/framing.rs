@@ -15,6 +15,18 @@ pub(super) fn frame(scene: &SceneModel) -> EyePlacement {
     };
     let (low, high) = (Vec3::from(low), Vec3::from(high));
     let half = (high - low) / 2.0;
+    if half.x < 0.05 * half.y.max(half.z) {
+        // A wall along the line of sight is a line too: stand to its side.
+        let distance =
+            half.y.max(half.z).max(1e-3) / (0.7 * (0.5 * eye.vertical_fov_deg.to_radians()).tan());
+        let centre = (low + high) / 2.0;
+        let position = Vec3::new(high.x + distance.max(NEAREST_M), centre.y, centre.z);
+        return EyePlacement {
+            position_m: position.into(),
+            forward: [-1.0, 0.0, 0.0],
+            ..eye
+        };
+    }
     let spread = half.x.max(half.y).max(0.1 * half.z).max(1e-3);
     let distance = spread / (0.7 * (0.5 * eye.vertical_fov_deg.to_radians()).tan());
     let distance = distance.max(NEAREST_M);
@@ -46,13 +58,15 @@ pub(super) fn odd_size(scene: &SceneModel) -> Option<String> {
         format!("{widest:.1e} m")
     } else if widest >= 1.0 {
         format!("{widest:.0} m")
-    } else {
+    } else if widest >= 1e-4 {
         format!("{:.1} mm", widest * 1e3)
+    } else {
+        format!("{widest:.1e} m")
     };
     let guess = if widest > 200.0 {
-        "Is its unit the millimetre or the centimetre (--scene-unit mm, cm)?"
+        "Is its unit the millimetre or the centimetre (--scene-unit mm, cm, or \"Its unit\" among the controls)?"
     } else if widest < 0.05 {
-        "Is its unit another (--scene-unit cm, in)?"
+        "Should it be larger? Every other unit makes it smaller still: scale it where it was made."
     } else {
         return None;
     };

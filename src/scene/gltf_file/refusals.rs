@@ -2,6 +2,7 @@
 
 use super::super::model::SceneError;
 use super::malformed;
+use crate::input_file::one_clause;
 
 /// Compressions that are not read, and how to export without them.
 const COMPRESSIONS: [(&str, &str); 5] = [
@@ -15,25 +16,50 @@ const COMPRESSIONS: [(&str, &str); 5] = [
     ("EXT_texture_avif", "AVIF textures"),
 ];
 
+/// Is this extension read, here or by the library?
+fn is_read(extension: &str) -> bool {
+    // Read here ([`super::accessors`]), though the library does not know it.
+    extension == "KHR_mesh_quantization"
+        || gltf::json::extensions::ENABLED_EXTENSIONS.contains(&extension)
+}
+
 pub(super) fn check_extensions(json: &gltf::json::Root, name: &str) -> Result<(), SceneError> {
-    match json.extensions_required.iter().find_map(refusal_of(name)) {
-        Some(refusal) => Err(refusal),
+    let required = &json.extensions_required;
+    if let Some(refusal) = required.iter().find_map(refusal_of(name)) {
+        return Err(refusal);
+    }
+    match required.iter().find(|extension| !is_read(extension)) {
+        Some(extension) => Err(malformed(
+            name,
+            format!(
+                "it cannot do without {}, which is not read: export it again without this extension",
+                one_clause(extension)
+            ),
+        )),
         None => Ok(()),
     }
 }
 
-/// The refusal of a file that its library cannot even parse, where it uses a compression: a texture of
-/// one has no plain picture to name.
-pub(super) fn unparsed(bytes: &[u8], name: &str) -> Option<SceneError> {
-    let binary = gltf::Glb::from_slice(bytes).ok();
-    let text = binary.as_ref().map_or(bytes, |binary| &binary.json);
-    let json: serde_json::Value = serde_json::from_slice(text).ok()?;
-    ["extensionsRequired", "extensionsUsed"]
-        .into_iter()
-        .filter_map(|list| json.get(list)?.as_array())
-        .flatten()
-        .filter_map(serde_json::Value::as_str)
-        .find_map(refusal_of(name))
+/// What a file uses and could do without, and is not read.
+pub(super) fn unread(json: &gltf::json::Root, name: &str) -> Option<String> {
+    let unread = json.extensions_used.iter().filter(|used| !is_read(used));
+    let mut names: Vec<String> = unread.map(|used| one_clause(used)).collect();
+    if names.len() > 4 {
+        let more = names.split_off(4).len();
+        names.push(format!("{more} more"));
+    }
+    (!names.is_empty()).then(|| {
+        format!(
+            "\"{name}\": it uses extensions that are not read ({}); what they describe is left out.",
+            names.join(", ")
+        )
+    })
+}
+
+/// The refusal of a file that its library finds invalid, where it uses a compression: a texture that is
+/// only there compressed has no plain picture to name.
+pub(super) fn compression_used(json: &gltf::json::Root, name: &str) -> Option<SceneError> {
+    json.extensions_used.iter().find_map(refusal_of(name))
 }
 
 /// The sentence for an extension that is a compression.

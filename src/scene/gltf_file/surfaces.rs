@@ -17,19 +17,31 @@ struct Shelf {
     textures: Vec<SceneTexture>,
     place: HashMap<(usize, bool, [Wrap; 2]), usize>,
     texels: u64,
+    remarks: Vec<String>,
 }
 
-/// All materials of a document in its order, and the textures that they use.
-pub(super) fn read(
-    document: &Document,
-    source: &Source,
-) -> Result<(Vec<SceneMaterial>, Vec<SceneTexture>), SceneError> {
+/// What a file says of its surfaces.
+pub(super) struct Surfaces {
+    /// All materials, in the file's order.
+    pub(super) materials: Vec<SceneMaterial>,
+    /// The textures that they use.
+    pub(super) textures: Vec<SceneTexture>,
+    /// What is to be said of these.
+    pub(super) remarks: Vec<String>,
+}
+
+/// The surfaces of a document.
+pub(super) fn read(document: &Document, source: &Source) -> Result<Surfaces, SceneError> {
     let mut shelf = Shelf::default();
     let materials = document
         .materials()
         .map(|material| read_material(&material, source, &mut shelf))
         .collect::<Result<_, _>>()?;
-    Ok((materials, shelf.textures))
+    Ok(Surfaces {
+        materials,
+        textures: shelf.textures,
+        remarks: shelf.remarks,
+    })
 }
 
 fn read_material(
@@ -105,6 +117,7 @@ impl Shelf {
                 decode(&source.beside.read(uri, source.name, "texture")?)?
             }
         };
+        self.remarks.extend(decoded.remarks);
         let rgba = decoded.image.into_rgba8();
         self.texels += u64::from(rgba.width()) * u64::from(rgba.height());
         if self.texels > MAX_TOTAL_TEXELS {

@@ -452,7 +452,7 @@ fn extensions_are_read_or_named() {
             "{error}"
         );
     }
-    // A texture that is only there compressed has no image to name, which no library parses.
+    // A texture that is only there compressed has no image to name, which is invalid without its extension.
     let basis = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_texture_basisu"],
         "textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}]}"#;
     for bytes in [basis.as_bytes().to_vec(), glb(basis, &[])] {
@@ -503,4 +503,79 @@ fn a_buffer_that_is_not_there_is_named() {
         error.contains("far away.bin") && error.len() < 400,
         "{error}"
     );
+}
+
+#[test]
+fn what_is_called_translucent_and_is_not_has_a_distance() {
+    use crate::scene::model::{Alpha, SceneMaterial, SceneTexture};
+    // Alphas of a texture, of the material, of a vertex: what the material is in truth.
+    let settled = |texels: &[u8], factor: f32, vertex: f32| {
+        let mut scene = SceneModel {
+            name: "s.glb".into(),
+            textures: vec![SceneTexture {
+                width: texels.len() as u32,
+                height: 1,
+                rgba8: texels.iter().flat_map(|&a| [9, 9, 9, a]).collect(),
+                ..SceneTexture::default()
+            }],
+            materials: vec![SceneMaterial {
+                name: "pane".into(),
+                base_color: [1.0, 1.0, 1.0, factor],
+                base_color_texture: (!texels.is_empty()).then_some(0),
+                alpha: Alpha::Blend,
+                ..SceneMaterial::default()
+            }],
+            meshes: vec![SceneMesh {
+                colors: Some(vec![[1.0, 1.0, 1.0, vertex]]),
+                ..SceneMesh::default()
+            }],
+            ..SceneModel::default()
+        };
+        blends::settle(&mut scene);
+        (scene.materials[0].alpha, scene.remarks)
+    };
+    let opaque = (Alpha::Opaque, Vec::new());
+    assert_eq!(settled(&[], 1.0, 1.0), opaque);
+    assert_eq!(settled(&[255, 250], 1.0, 1.0), opaque);
+    // A leaf: whole, nothing, and an edge between them.
+    let leaf = [255, 255, 255, 255, 255, 128, 0, 0];
+    assert_eq!(settled(&leaf, 1.0, 1.0), (Alpha::Mask(0.5), Vec::new()));
+    for (texels, factor, vertex) in [
+        (&[255, 255, 128, 100, 0, 0][..], 1.0, 1.0),
+        (&[255], 0.5, 1.0),
+        (&[], 0.5, 1.0),
+        (&leaf, 1.0, 0.5),
+    ] {
+        let (alpha, remarks) = settled(texels, factor, vertex);
+        assert_eq!(alpha, Alpha::Blend, "{texels:?} {factor} {vertex}");
+        assert!(remarks[0].contains("pane") && remarks[0].contains("no distance"));
+    }
+}
+
+#[test]
+fn lamps_beyond_the_sun_are_refused() {
+    let lamp = |intensity: &str| {
+        let json = quad_json(
+            r#"{"mesh":0},{"extensions":{"KHR_lights_punctual":{"light":0}},"translation":[0,0,2]}"#,
+            5,
+            5121,
+            4,
+            4,
+        );
+        let json = json.replace(r#""nodes":[0]"#, r#""nodes":[0,1]"#).replacen(
+            '{',
+            &format!(
+                r#"{{"extensionsUsed":["KHR_lights_punctual"],"extensions":{{"KHR_lights_punctual":
+                {{"lights":[{{"type":"point","intensity":{intensity}}}]}}}},"#
+            ),
+            1,
+        );
+        let blob = [floats(&CORNERS), vec![0, 1, 2, 3]].concat();
+        load_gltf_bytes(&glb(&json, &blob), "a.glb")
+    };
+    assert!(lamp("1e6").is_ok());
+    for intensity in ["1e13", "1e30"] {
+        let error = lamp(intensity).unwrap_err().to_string();
+        assert!(error.contains("cd/m² bright"), "{error}");
+    }
 }

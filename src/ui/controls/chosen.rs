@@ -82,7 +82,7 @@ pub fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     if controlled.clock.ready && state.nothing_in_view {
         ui.colored_label(
             ui.visuals().warn_fg_color,
-            "Nothing of it is in the view: its camera, or the eye in its place, looks past it.",
+            "Nothing of it that has a distance is in the view: the eye looks past it, sees its back or its edge, looks through it, or has it nearer than 2 cm.",
         );
     }
     if let Some(scene) = chosen {
@@ -224,7 +224,7 @@ fn depth(
     (settled && wanted != read).then_some(wanted)
 }
 
-/// Own files and the link.
+/// Own files, what becomes of them, and the link.
 pub fn files(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.horizontal_wrapped(|ui| {
         let open = ui.button("Open own file…").on_hover_text(
@@ -244,4 +244,7 @@ pub fn files(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             controlled.requests.write(Request::CopyLink);
         }
     });
+    if cfg!(target_arch = "wasm32") {
+        ui.weak("Your files stay on this machine: nothing is uploaded.");
+    }
 }
