@@ -488,8 +488,12 @@ pub fn load_patient(name_or_path: impl AsRef<Path>) -> Result<PatientFile, Patie
             file: shown.clone(),
             reason,
         };
-        let bytes =
-            read_input_file(path, MAX_FILE_BYTES).map_err(|error| unreadable(error.to_string()))?;
+        let bytes = read_input_file(path, MAX_FILE_BYTES).map_err(|error| {
+            unreadable(match error.kind() {
+                std::io::ErrorKind::NotFound => "it does not exist".into(),
+                _ => error.to_string(),
+            })
+        })?;
         let text = String::from_utf8(bytes)
             .map_err(|_| unreadable("it is not UTF-8 text, so not a patient file".into()))?;
         return parse_patient(&text, &shown);

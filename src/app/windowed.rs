@@ -4,6 +4,8 @@ mod lost;
 
 use super::link::LinkState;
 use super::{FramePlugin, Session, add_ocularium};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::ui::UiState;
 use crate::ui::{StartState, UiPlugin};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -96,14 +98,18 @@ pub fn windowed_app(session: Session, start: LinkState) -> App {
     app
 }
 
-/// Opens the window and runs until it is closed.
+/// Opens the window and runs until it is closed; `said` is told in it at first.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn run(session: Session, start: LinkState) -> Result<(), WindowError> {
+pub fn run(session: Session, start: LinkState, said: &[String]) -> Result<(), WindowError> {
     #[cfg(all(unix, not(target_os = "macos")))]
     if let Some(reason) = display_fault() {
         return Err(WindowError::NoDisplay(reason));
     }
-    let exit = windowed_app(session, start).run();
+    let mut app = windowed_app(session, start);
+    if !said.is_empty() {
+        app.world_mut().resource_mut::<UiState>().message = Some(said.join(" "));
+    }
+    let exit = app.run();
     match (lost::take(), exit) {
         (Some(error), _) => Err(error),
         (None, AppExit::Success) => Ok(()),

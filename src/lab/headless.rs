@@ -28,6 +28,8 @@ use std::time::{Duration, Instant};
 
 /// How long pipelines and textures may take before a frame is given up.
 const PATIENCE: Duration = Duration::from_secs(240);
+/// And how much longer for each million pixels: a software device draws them one by one.
+const PATIENCE_A_MEGAPIXEL: Duration = Duration::from_secs(12);
 
 /// Why a frame could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -136,11 +138,22 @@ impl Headless {
                 self.app.update();
                 return Ok(());
             }
-            if started.elapsed() > PATIENCE {
-                return Err(HeadlessError::Timeout(PATIENCE.as_secs()));
+            let patience = PATIENCE + self.pixels() / 1_000_000 * PATIENCE_A_MEGAPIXEL;
+            if started.elapsed() > patience {
+                return Err(HeadlessError::Timeout(patience.as_secs()));
             }
             self.poll();
         }
+    }
+
+    /// Pixels of the panels that are shown.
+    fn pixels(&self) -> u32 {
+        let panels = self.app.world().resource::<Panels>();
+        [&panels.eye, &panels.view]
+            .into_iter()
+            .filter(|panel| panel.visible)
+            .map(|panel| panel.size.element_product())
+            .sum()
     }
 
     fn poll(&self) {

@@ -229,13 +229,18 @@ fn view(
     let response = ui.interact(rectangle, "view".into(), Sense::click());
     paint(ui, picture, rectangle);
     if !controlled.clock.ready {
-        ui.painter().text(
-            rectangle.center_bottom() - vec2(0.0, 18.0),
-            egui::Align2::CENTER_CENTER,
-            "preparing the view…",
+        // On a ground of its own: behind it is whatever was seen before.
+        let text = ui.painter().layout_no_wrap(
+            "preparing the view…".into(),
             egui::FontId::proportional(13.0),
-            ui.visuals().weak_text_color(),
+            ui.visuals().text_color(),
         );
+        let place =
+            rectangle.center_bottom() - vec2(0.5 * text.size().x, 18.0 + 0.5 * text.size().y);
+        let ground = Rect::from_min_size(place, text.size()).expand(5.0);
+        ui.painter()
+            .rect_filled(ground, 4.0, egui::Color32::from_black_alpha(170));
+        ui.painter().galley(place, text, ui.visuals().text_color());
         return;
     }
     // A second finger is a pinch, and no place to look at.

@@ -22,10 +22,10 @@ pub(super) fn open(
     link: Option<&str>,
     matches: &ArgMatches,
 ) -> Result<ExitCode, Box<dyn Error>> {
-    let (session, start) = requested(shown, link, matches)?;
+    let (session, start, said) = requested(shown, link, matches)?;
     crate::lab::headless::require_device()?;
     let opened = Instant::now();
-    match windowed::run(session, start) {
+    match windowed::run(session, start, &said) {
         Ok(()) => Ok(ExitCode::SUCCESS),
         Err(WindowError::Interrupted) => Ok(ExitCode::from(windowed::INTERRUPTED)),
         Err(WindowError::DeviceLost {
@@ -46,23 +46,23 @@ pub(super) fn open(
     }
 }
 
-/// What the command line and its link ask for together.
+/// What the command line and its link ask for together, and what cannot be obeyed.
 fn requested(
     shown: &Shown,
     link: Option<&str>,
     matches: &ArgMatches,
-) -> Result<(Session, LinkState), Box<dyn Error>> {
+) -> Result<(Session, LinkState, Vec<String>), Box<dyn Error>> {
     let Some(link) = link else {
         let session = session(shown)?;
         let start = LinkState {
             seed: session.seed,
             ..LinkState::default()
         };
-        return Ok((session, start));
+        return Ok((session, start, Vec::new()));
     };
     let (mut start, refused) = LinkState::parse(link);
-    for sentence in refused {
-        complain(&sentence);
+    for sentence in &refused {
+        complain(sentence);
     }
     let given = |name: &str| matches.value_source(name) == Some(ValueSource::CommandLine);
     if given("seed") {
@@ -78,7 +78,7 @@ fn requested(
             wanted.scene = own.scene;
         }
     }
-    Ok((wanted, start))
+    Ok((wanted, start, refused))
 }
 
 /// The same arguments with another link, which knows patient and seed as they are now.
