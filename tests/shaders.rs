@@ -260,6 +260,44 @@ fn library_functions_are_called_or_waiting() {
     );
 }
 
+/// The tests that run a function beside its twin.
+const TWINS: [&str; 11] = [
+    include_str!("shader_twins.rs"),
+    include_str!("shader_twins/error_map.rs"),
+    include_str!("shader_twins/eye_light.rs"),
+    include_str!("shader_twins/iris_light.rs"),
+    include_str!("shader_twins/light.rs"),
+    include_str!("shader_twins/percept.rs"),
+    include_str!("shader_twins/refraction.rs"),
+    include_str!("shader_twins/shading.rs"),
+    include_str!("shader_twins/shading_maps.rs"),
+    include_str!("shader_twins/shading_skin.rs"),
+    include_str!("shader_twins/tissue.rs"),
+];
+
+#[test]
+fn every_function_of_the_library_runs_beside_its_twin() {
+    let library: Vec<(String, String)> = LIBRARY
+        .iter()
+        .flat_map(|(_, text)| functions(text))
+        .collect();
+    // A test that goes through a list of names puts the call together from them.
+    let texts = |twins: &[&str]| twins.join("\n").replace("\",", "(");
+    let tested = reached(&texts(&TWINS), &library);
+    let without: Vec<&str> = library
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .filter(|name| !tested.contains(*name))
+        .collect();
+    assert!(
+        without.is_empty(),
+        "no test calls {without:?}, nor a function that calls them"
+    );
+    assert!(library.len() > 100, "{} functions", library.len());
+    // A test less, and its functions are missed.
+    assert!(reached(&texts(&TWINS[1..4]), &library).len() < tested.len());
+}
+
 #[test]
 fn the_app_carries_the_texts_that_were_validated() {
     let mut app = App::new();
