@@ -18,6 +18,8 @@ pub struct OwnFile {
     pub bytes: Vec<u8>,
     /// The folder in which it lies, where that can be known.
     pub folder: Option<PathBuf>,
+    /// It was given as a photograph's depth image; others are told by their names.
+    pub is_depth: bool,
 }
 
 /// What a user's files turned out to be.
@@ -71,7 +73,10 @@ pub fn read_own_files(files: &[OwnFile], placement: &Placement) -> Result<Own, S
     let (photo, depth) = match of_kind(FileKind::Picture) {
         [Some(one), None, _] => (one, None),
         [Some(one), Some(other), None] => {
-            let is_depth = |file: &OwnFile| file.name.to_lowercase().contains("depth");
+            let said = one.is_depth || other.is_depth;
+            let is_depth = |file: &OwnFile| {
+                file.is_depth || (!said && file.name.to_lowercase().contains("depth"))
+            };
             match (is_depth(one), is_depth(other)) {
                 (false, true) => (one, Some(other)),
                 (true, false) => (other, Some(one)),
@@ -131,6 +136,7 @@ mod tests {
             name: name.into(),
             bytes: bytes.into(),
             folder: None,
+            is_depth: false,
         }
     }
 
@@ -228,6 +234,26 @@ mod tests {
                 sentence.ends_with('.') && !sentence.contains('\n'),
                 "{sentence}"
             );
+        }
+    }
+
+    #[test]
+    fn what_was_given_as_depth_is_depth_whatever_it_is_called() {
+        let picture = file("depth of field.png", png(RgbImage::new(16, 16)));
+        let grey = file(
+            "b.png",
+            png(GrayImage::from_pixel(16, 16, image::Luma([255]))),
+        );
+        let given = OwnFile {
+            is_depth: true,
+            ..grey
+        };
+        for files in [[picture.clone(), given.clone()], [given, picture]] {
+            let Ok(Own::Scene(LoadedScene::Photo(photo))) = read(&files) else {
+                panic!("a photograph")
+            };
+            assert_eq!(photo.name, "depth of field.png");
+            assert_eq!(photo.depth_at_m(8, 8), 0.5);
         }
     }
 }

@@ -75,6 +75,10 @@ fn tell_page(
         }
         LoadedScene::Model(_) => serde_json::Value::Null,
     };
+    let model_width_m = match &*session.scene {
+        LoadedScene::Model(model) => model.bounds().map(|(low, high)| high[0] - low[0]),
+        LoadedScene::Photo(_) => None,
+    };
     let state = &motion.state;
     let message = serde_json::json!({
         "time_s": clock.time_s,
@@ -89,6 +93,7 @@ fn tell_page(
         "sphere_d": session.patient.sphere_d,
         "scene": session.scene.name(),
         "photograph": photograph,
+        "model_width_m": model_width_m,
         "seed": session.seed.to_string(),
         "speed": clock.speed,
         "orbit": [orbit.azimuth_deg, orbit.elevation_deg, orbit.distance_mm],

@@ -28,6 +28,8 @@ pub enum WindowError {
         reason: String,
         /// What was shown, as a link says it.
         link: Option<String>,
+        /// The name of the scene, where it is not built in.
+        own_scene: Option<String>,
     },
     /// Drawing failed.
     #[error("drawing failed: {0}")]
@@ -98,14 +100,21 @@ pub fn windowed_app(session: Session, start: LinkState) -> App {
     app
 }
 
-/// Opens the window and runs until it is closed; `said` is told in it at first.
+/// Opens the window and runs until it is closed; `said` is told in it at first, and `own` is what the
+/// session's scene was read from.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn run(session: Session, start: LinkState, said: &[String]) -> Result<(), WindowError> {
+pub fn run(
+    session: Session,
+    start: LinkState,
+    said: &[String],
+    own: crate::ui::OwnScene,
+) -> Result<(), WindowError> {
     #[cfg(all(unix, not(target_os = "macos")))]
     if let Some(reason) = display_fault() {
         return Err(WindowError::NoDisplay(reason));
     }
     let mut app = windowed_app(session, start);
+    app.insert_resource(own);
     if !said.is_empty() {
         app.world_mut().resource_mut::<UiState>().message = Some(said.join(" "));
     }
@@ -127,13 +136,27 @@ fn display_fault() -> Option<String> {
     let Some(name) = name else {
         return Some(String::new());
     };
-    let Ok(xlib) = x11_dl::xlib::Xlib::open() else {
-        return Some(": the X11 library (libX11) is missing".into());
-    };
-    // SAFETY: a null name means DISPLAY, and what was opened is closed.
-    let opened = unsafe {
-        let display = (xlib.XOpenDisplay)(std::ptr::null());
-        !display.is_null() && (xlib.XCloseDisplay)(display) == 0
-    };
+    // What ./dev installs for a window, too; the window library loads them as it goes.
+    let missing: Vec<&str> = WINDOW_LIBRARIES
+        .into_iter()
+        // SAFETY: these libraries do nothing as they are loaded.
+        .filter(|name| unsafe { libloading::Library::new(name) }.is_err())
+        .collect();
+    if !missing.is_empty() {
+        return Some(format!(": {} cannot be loaded", missing.join(", ")));
+    }
+    let xlib = x11_dl::xlib::Xlib::open().ok()?;
+    // SAFETY: a null name means DISPLAY. It stays open: a display whose only guest leaves may start anew.
+    let opened = !unsafe { (xlib.XOpenDisplay)(std::ptr::null()) }.is_null();
     (!opened).then(|| format!(": DISPLAY is {name:?}, and nothing answers there"))
 }
+
+/// Libraries that a window needs and that are loaded when it opens.
+#[cfg(all(unix, not(target_os = "macos"), not(target_arch = "wasm32")))]
+const WINDOW_LIBRARIES: [&str; 5] = [
+    "libX11.so.6",
+    "libX11-xcb.so.1",
+    "libXi.so.6",
+    "libXcursor.so.1",
+    "libxkbcommon-x11.so.0",
+];

@@ -107,6 +107,11 @@ fn decode_as_it_is(
     // A turn that cannot be read is none, as with the invalid value 0.
     let turn = decoder.orientation().ok();
     let profile = decoder.icc_profile().ok().flatten();
+    if meaning == Meaning::Colour && profile.is_none() && colour::announces_profile(bytes, format) {
+        remarks.push(format!(
+            "\"{source_name}\": its colour profile is broken and was ignored; sRGB is assumed."
+        ));
+    }
     let mut image = match format {
         ImageFormat::Jpeg => {
             let facts = jpeg::inspect(bytes);
@@ -137,20 +142,29 @@ fn decode_as_it_is(
 /// A PNG without its ancillary chunks, but for transparency; `None` of other files, and of chunks that
 /// do not follow one another.
 fn png_picture_alone(bytes: &[u8]) -> Option<Vec<u8>> {
-    const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
-    let mut rest = bytes.strip_prefix(SIGNATURE)?;
-    let mut alone = SIGNATURE.to_vec();
-    while !rest.is_empty() {
-        let length = u32::from_be_bytes(*rest.first_chunk()?) as usize;
-        let (chunk, after) = rest.split_at_checked(length.checked_add(12)?)?;
-        let kind = &chunk[4..8];
+    let mut alone = PNG_SIGNATURE.to_vec();
+    let mut read = alone.len();
+    for (kind, chunk) in png_chunks(bytes) {
         // Critical chunks begin with a capital letter.
         if kind[0].is_ascii_uppercase() || kind == b"tRNS" {
             alone.extend(chunk);
         }
-        rest = after;
+        read += chunk.len();
     }
-    Some(alone)
+    (read == bytes.len()).then_some(alone)
+}
+
+const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// The chunks of a PNG, as kind and whole chunk, as far as they follow one another; none of other files.
+fn png_chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8], &[u8])> {
+    let mut rest = bytes.strip_prefix(PNG_SIGNATURE).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let length = u32::from_be_bytes(*rest.first_chunk()?) as usize;
+        let (chunk, after) = rest.split_at_checked(length.checked_add(12)?)?;
+        rest = after;
+        Some((&chunk[4..8], chunk))
+    })
 }
 
 /// Why a picture is not decoded, in a user's words.

@@ -28,11 +28,13 @@ const CONTROLS_WIDTH: f32 = 264.0;
 const STRIP_FROM_HEIGHT: f32 = 520.0;
 
 /// How much larger than usual text and controls are in a window of this size in points: on a large
-/// screen that the system does not enlarge itself, they would be a finger's width in a corner.
-pub fn zoom_for(size: Vec2) -> f32 {
+/// screen that the system does not enlarge itself, they would be a finger's width in a corner; and with
+/// less than a pixel a point, letters would melt.
+pub fn zoom_for(size: Vec2, pixels_a_point: f32) -> f32 {
     let share = (size.x / 1920.0).min(size.y / 1080.0);
     // By quarters: text stays sharp, and a window that is drawn larger does not creep.
-    ((share * 4.0).floor() / 4.0).clamp(1.0, 2.0)
+    let large = ((share * 4.0).floor() / 4.0).clamp(1.0, 2.0);
+    large.max(pixels_a_point.recip().clamp(1.0, 1.25))
 }
 
 /// Is there room for the controls without asking?
@@ -68,10 +70,13 @@ mod tests {
             (vec2(7680.0, 4320.0), 2.0),
             (vec2(3840.0, 600.0), 1.0),
         ] {
-            assert_eq!(zoom_for(size), zoom, "{size:?}");
+            assert_eq!(zoom_for(size, 1.0), zoom, "{size:?}");
+            assert_eq!(zoom_for(size, 3.0), zoom, "{size:?}");
             // What is left to the controls is never less than a plain screen.
             assert!(zoom == 1.0 || (size / zoom).min_elem() >= 1080.0);
         }
+        assert_eq!(zoom_for(vec2(1280.0, 720.0), 0.8), 1.25);
+        assert_eq!(zoom_for(vec2(1280.0, 720.0), 0.3), 1.25);
     }
 
     #[test]

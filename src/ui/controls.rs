@@ -136,6 +136,9 @@ fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.horizontal(|ui| {
         ui.label("Pupil");
         ui.checkbox(&mut held, "hold at");
+        // The number beside it must not be pushed out.
+        let number = if state.touch { 84.0 } else { 66.0 };
+        ui.spacing_mut().slider_width = (ui.available_width() - number).clamp(40.0, 130.0);
         let slider = egui::Slider::new(&mut diameter, 1.0..=9.0)
             .suffix(" mm")
             .fixed_decimals(1);

@@ -34,6 +34,11 @@ pub(super) fn built_in(scene: &LoadedScene) -> Option<BuiltIn> {
     )
 }
 
+/// Is this a scene of the user's own?
+pub fn is_own(scene: &LoadedScene) -> bool {
+    built_in(scene).is_none()
+}
+
 /// What is shown now, as a link says it. A user's own scene is left out.
 pub(super) fn current(state: &UiState, app: &Shown) -> LinkState {
     let (session, clock) = (&app.session, &app.clock);

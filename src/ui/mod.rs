@@ -16,7 +16,7 @@ mod touch;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use link::link_of;
-pub use link::{StartState, session_of};
+pub use link::{StartState, is_own, session_of};
 pub use own::OwnScene;
 pub use save::Saved;
 use state::Shown;
@@ -246,9 +246,11 @@ fn draw(
     }
     state.measure(&controlled.ledger, &time);
     state.places.clear();
+    keep_glyphs(&context);
     let size = context.viewport_rect().size();
     state.zoom = context.zoom_factor();
-    let fitting = zoom_for(size * state.zoom);
+    let pixels_a_point = context.pixels_per_point() / state.zoom;
+    let fitting = zoom_for(size * state.zoom, pixels_a_point);
     if state.fitted_zoom != fitting {
         // What the user has enlarged stays so until the window is another.
         state.fitted_zoom = fitting;
@@ -285,6 +287,8 @@ fn draw(
         panel.show(&mut root, |ui| {
             controls::head(ui, &mut state);
             egui::ScrollArea::vertical().show(ui, |ui| {
+                // The bar lies over what it scrolls.
+                ui.set_max_width(ui.available_width() - 10.0);
                 controls::draw(ui, &mut state, &mut controlled, &mut own);
             });
         });
@@ -309,6 +313,26 @@ fn draw(
             }
         });
     Ok(())
+}
+
+/// Lays out every character that a reading may need, in every font that is used. One that is drawn for the
+/// first time reaches the device a frame late, and until then there is a hole in its place: a number
+/// without its sign.
+fn keep_glyphs(context: &egui::Context) {
+    const GLYPHS: &str =
+        "0123456789.,:;-−+±×°%…·µ–()/<>\"'=abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    let fonts: Vec<egui::FontId> = context
+        .global_style()
+        .text_styles
+        .values()
+        .cloned()
+        .collect();
+    context.fonts_mut(|view| {
+        for font in fonts {
+            // Laid out once and kept while it is asked for in every frame.
+            let _ = view.layout_no_wrap(GLYPHS.into(), font, egui::Color32::WHITE);
+        }
+    });
 }
 
 /// Dark, with text that is read in a bright room.

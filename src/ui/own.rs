@@ -28,6 +28,15 @@ struct Reading {
 }
 
 impl OwnScene {
+    /// The scene that is shown at first was read from these files.
+    pub fn of(files: Vec<OwnFile>, placement: Placement) -> Self {
+        Self {
+            files: Some(Arc::new(files)),
+            placement,
+            ..Self::default()
+        }
+    }
+
     /// Is something being read?
     pub(super) fn is_busy(&self) -> bool {
         self.reading.is_some()

@@ -135,7 +135,7 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
 const NOTICE_S: f64 = 8.0;
 
 /// What went wrong, until it is dismissed, and what went well, for a while: over the pictures, so that
-/// nothing moves under the pointer.
+/// nothing moves under the pointer, and at their lower edge, where the eye is not.
 pub fn notices(ui: &mut Ui, state: &mut UiState, now_s: f64) {
     if let Some((_, from_s)) = &mut state.notice
         && now_s - *from_s.get_or_insert(now_s) > NOTICE_S
@@ -147,22 +147,23 @@ pub fn notices(ui: &mut Ui, state: &mut UiState, now_s: f64) {
     }
     let area = ui.max_rect();
     egui::Area::new("notices".into())
-        .fixed_pos(area.min + vec2(8.0, 8.0))
+        .pivot(egui::Align2::LEFT_BOTTOM)
+        .fixed_pos(area.left_bottom() + vec2(8.0, -8.0))
         .show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width((area.width() - 84.0).clamp(120.0, 460.0));
-                if let Some(message) = state.message.clone() {
-                    ui.colored_label(ui.visuals().error_fg_color, message);
-                    if ui.button("Dismiss").clicked() {
-                        state.message = None;
-                    }
-                }
                 if let Some((notice, _)) = state.notice.clone()
                     && ui
                         .add(egui::Label::new(notice).sense(Sense::click()))
                         .clicked()
                 {
                     state.notice = None;
+                }
+                if let Some(message) = state.message.clone() {
+                    ui.colored_label(ui.visuals().error_fg_color, message);
+                    if ui.button("Dismiss").clicked() {
+                        state.message = None;
+                    }
                 }
             });
         });

@@ -150,12 +150,23 @@ async function checkFiles(page) {
     await drop(page, [["tri.gltf", text]]);
     await becomes(page, "a sentence about the buffer", (s) => /tri\.bin.*together/.test(s.message ?? ""));
     await drop(page, [["tri.bin", corners], ["tri.gltf", text]]);
-    await becomes(page, "the model", (s) => s.scene === "tri.gltf");
+    await becomes(page, "the model", (s) => s.scene === "tri.gltf" && Math.abs(s.model_width_m - 2) < 1e-6);
+  });
+  await check("a model's unit is chosen, and is gone with the model", async () => {
+    await published(page, 2);
+    await press(page, "unit cm");
+    await becomes(page, "centimetres", (s) => s.scene === "tri.gltf" && Math.abs(s.model_width_m - 0.02) < 1e-6);
+    await page.evaluate(() => {
+      location.hash = "v=1&patient=healthy-blue&scene=chart";
+    });
+    await becomes(page, "the chart", (s) => s.scene === "chart");
+    await published(page, 2);
+    assert.equal((await readState(page)).places["unit cm"], undefined, "a built-in scene has a unit to choose");
   });
   await check("a file that is nothing of these gets a sentence, and nothing is lost", async () => {
     await drop(page, [["notes.bin", Buffer.from([0, 159, 1, 2]).toString("base64")]]);
     await becomes(page, "a sentence", (s) => /notes\.bin.*neither a picture/.test(s.message ?? ""));
-    assert.equal((await readState(page)).scene, "tri.gltf");
+    assert.equal((await readState(page)).scene, "chart");
   });
 }
 

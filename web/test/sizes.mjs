@@ -184,6 +184,8 @@ export async function checkTelephone(page) {
     await page.keyboard.press("Enter");
     const obeyed = await until(20, async () => /42/.test((await readState(page)).seed));
     assert(obeyed, `the seed is ${(await readState(page)).seed}`);
+    const scrolled = await page.evaluate(() => [scrollX, scrollY, document.getElementById("stage").scrollTop]);
+    assert.deepEqual(scrolled, [0, 0, 0], "the page has moved under the finger");
   });
   await session.detach();
 }

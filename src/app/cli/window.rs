@@ -1,15 +1,19 @@
 //! The window: opened with a link or without, and opened again where the graphics device was lost.
 
+use super::placement::{SceneUnit, photo_options};
 use super::sentences::complain;
 use super::{Shown, session};
 use crate::app::Session;
 use crate::app::link::LinkState;
+use crate::app::own_files::{OwnFile, Placement};
 use crate::app::windowed::{self, WindowError};
-use crate::ui::session_of;
+use crate::scene::photo::read_file;
+use crate::ui::{OwnScene, is_own, session_of};
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use std::error::Error;
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
@@ -25,25 +29,58 @@ pub(super) fn open(
     let (session, start, said) = requested(shown, link, matches)?;
     crate::lab::headless::require_device()?;
     let opened = Instant::now();
-    match windowed::run(session, start, &said) {
+    let own = own_scene(shown, &session)?;
+    match windowed::run(session, start, &said, own) {
         Ok(()) => Ok(ExitCode::SUCCESS),
         Err(WindowError::Interrupted) => Ok(ExitCode::from(windowed::INTERRUPTED)),
         Err(WindowError::DeviceLost {
             reason,
             link: Some(link),
+            own_scene,
         }) if opened.elapsed() > WORTH_ANOTHER => {
+            // What came from the command line is there to be read again; what was dropped is not.
+            let given = shown.scene.display().to_string();
+            let keeps_scene = own_scene.as_ref() == Some(&given);
+            let but = match own_scene {
+                Some(name) if !keeps_scene => format!("; only \"{name}\" has to be opened again"),
+                _ => String::new(),
+            };
             complain(&format!(
-                "the graphics device was lost ({reason}); the window opens again with what it showed"
+                "the graphics device was lost ({reason}); the window opens again with what it showed{but}"
             ));
             let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
             // A window cannot be opened twice in one process.
             let status = Command::new(std::env::current_exe()?)
-                .args(again(&arguments, &link))
+                .args(again(&arguments, &link, keeps_scene))
                 .status()?;
             Ok(ExitCode::from(status.code().map_or(1, |code| code as u8)))
         }
         Err(error) => Err(error.into()),
     }
+}
+
+/// The files of a scene from the command line, so that the controls can have them read in another unit.
+fn own_scene(shown: &Shown, session: &Session) -> Result<OwnScene, Box<dyn Error>> {
+    if session.scene.name() != shown.scene.display().to_string() || !is_own(&session.scene) {
+        return Ok(OwnScene::default());
+    }
+    let file = |path: &Path, is_depth: bool| -> Result<OwnFile, Box<dyn Error>> {
+        Ok(OwnFile {
+            name: path.display().to_string(),
+            bytes: read_file(path)?,
+            folder: path.parent().map(Path::to_owned),
+            is_depth,
+        })
+    };
+    let mut files = vec![file(&shown.scene, false)?];
+    if let Some(depth) = &shown.depth {
+        files.push(file(depth, true)?);
+    }
+    let placement = Placement {
+        photo: photo_options(shown)?,
+        unit_m: shown.scene_unit.map(SceneUnit::metres),
+    };
+    Ok(OwnScene::of(files, placement))
 }
 
 /// What the command line and its link ask for together, and what cannot be obeyed.
@@ -81,9 +118,20 @@ fn requested(
     Ok((wanted, start, refused))
 }
 
-/// The same arguments with another link, which knows patient and seed as they are now.
-fn again(arguments: &[OsString], link: &str) -> Vec<OsString> {
-    let stale = ["--link", "--patient", "--seed"];
+/// The same arguments with another link, which knows patient, seed and built-in scene as they are now.
+fn again(arguments: &[OsString], link: &str, keeps_scene: bool) -> Vec<OsString> {
+    let scene = [
+        "--scene",
+        "--scene-unit",
+        "--at",
+        "--span",
+        "--depth",
+        "--depth-unit",
+        "--depth-near",
+        "--depth-far",
+    ];
+    let scene = if keeps_scene { &scene[..0] } else { &scene[..] };
+    let stale = [&["--link", "--patient", "--seed"][..], scene].concat();
     let mut kept: Vec<OsString> = Vec::new();
     let mut arguments = arguments.iter();
     while let Some(argument) = arguments.next() {
@@ -111,10 +159,13 @@ mod tests {
         let given =
             arguments("--scene a.glb --patient myope-3d --link=v=1 --scene-unit cm --seed 4");
         assert_eq!(
-            again(&given, "v=1&seed=9"),
+            again(&given, "v=1&seed=9", true),
             arguments("--scene a.glb --scene-unit cm --link v=1&seed=9")
         );
         let given = arguments("--link v=1 --seed=4");
-        assert_eq!(again(&given, "v=1"), arguments("--link v=1"));
+        assert_eq!(again(&given, "v=1", true), arguments("--link v=1"));
+        // Another scene was chosen meanwhile, or dropped: what the link says is shown.
+        let given = arguments("--scene p.png --at 0.4m --depth-unit=mm --depth d.png --seed 4");
+        assert_eq!(again(&given, "v=1", false), arguments("--link v=1"));
     }
 }

@@ -78,6 +78,7 @@ pub fn read_paths(paths: &[PathBuf]) {
                 name,
                 bytes,
                 folder: Some(path.parent().unwrap_or(Path::new(".")).into()),
+                is_depth: false,
             }),
             Err(error) => Err(format!("\"{name}\" cannot be read: {error}.")),
         }

@@ -64,6 +64,7 @@ pub fn open_files(names: &Array, contents: &Array) {
             name: name.as_string().unwrap_or_default(),
             bytes: Uint8Array::new(&content).to_vec(),
             folder: None,
+            is_depth: false,
         });
     arrive(Arrival::Files(files.collect()));
 }

@@ -44,6 +44,10 @@ pub(super) fn on_render_error(
             super::WindowError::DeviceLost {
                 reason: description,
                 link: crate::ui::link_of(main_world),
+                own_scene: main_world
+                    .get_resource::<crate::app::Session>()
+                    .filter(|session| crate::ui::is_own(&session.scene))
+                    .map(|session| session.scene.name().to_owned()),
             }
         } else {
             super::WindowError::Drawing(description)

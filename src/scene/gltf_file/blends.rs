@@ -5,13 +5,16 @@
 //! a scene as its file has it. Leaves: the same, with opaque surfaces opaque and cut-outs masked, and a
 //! remark on what is truly translucent.
 
-use super::super::model::{Alpha, SceneMaterial, SceneModel};
+use super::super::model::{Alpha, SceneMaterial, SceneMesh, SceneModel, SceneTexture, Wrap};
 use crate::input_file::one_clause;
+use glam::{Vec2, Vec3};
 
 /// From this code on alpha is opaque; and below its complement nothing is left to see.
 const OPAQUE: u8 = 247;
 /// Share of a cut-out's visible texels that may lie between, as along its edges.
 const EDGES: f64 = 0.2;
+/// About how many places of a mesh are looked at.
+const SAMPLES: f64 = 20_000.0;
 
 /// Settles what every blended material is.
 pub(super) fn settle(scene: &mut SceneModel) {
@@ -26,7 +29,7 @@ pub(super) fn settle(scene: &mut SceneModel) {
         }
     }
     let used = |name: &String| {
-        let of = |mesh: &super::SceneMesh| &scene.materials[mesh.material].name;
+        let of = |mesh: &SceneMesh| &scene.materials[mesh.material].name;
         scene
             .meshes
             .iter()
@@ -61,17 +64,66 @@ fn alpha_of(scene: &SceneModel, index: usize) -> Option<Alpha> {
     let Some(texture) = material.base_color_texture else {
         return Some(Alpha::Opaque);
     };
-    let (mut whole, mut between, mut clear) = (0u64, 0u64, 0u64);
-    for texel in scene.textures[texture].rgba8.chunks_exact(4) {
-        match texel[3] {
-            OPAQUE.. => whole += 1,
-            alpha if alpha > u8::MAX - OPAQUE => between += 1,
-            _ => clear += 1,
-        }
+    let texture = &scene.textures[texture];
+    if texture
+        .rgba8
+        .chunks_exact(4)
+        .all(|texel| texel[3] >= OPAQUE)
+    {
+        return Some(Alpha::Opaque);
     }
-    match (between, clear) {
-        (0, 0) => Some(Alpha::Opaque),
-        _ if between as f64 <= EDGES * (whole + between) as f64 => Some(Alpha::Mask(0.5)),
+    // Of an atlas only what the surfaces show counts, by its area in the scene.
+    let (mut whole, mut between, mut clear) = (0.0, 0.0, 0.0);
+    for mesh in scene.meshes.iter().filter(|mesh| mesh.material == index) {
+        for_samples(mesh, |uv, area| match alpha_at(texture, uv) {
+            OPAQUE.. => whole += area,
+            alpha if alpha > u8::MAX - OPAQUE => between += area,
+            _ => clear += area,
+        });
+    }
+    match (between > 0.0, clear > 0.0) {
+        (false, false) => Some(Alpha::Opaque),
+        _ if between <= EDGES * (whole + between) => Some(Alpha::Mask(0.5)),
         _ => None,
     }
+}
+
+/// Calls `see` with coordinates of places spread evenly over each triangle, and the area that each stands for.
+fn for_samples(mesh: &SceneMesh, mut see: impl FnMut([f32; 2], f64)) {
+    let Some(uvs) = &mesh.uvs else { return };
+    let triangles = mesh.indices.len() / 3;
+    // Rows of places along a triangle's edge: 2 to 100.
+    let rows = (SAMPLES / triangles.max(1) as f64).sqrt().clamp(2.0, 100.0) as u32;
+    for corners in mesh.indices.chunks_exact(3) {
+        let at = |k: usize| Vec3::from(mesh.positions[corners[k] as usize]);
+        let uv = |k: usize| Vec2::from(uvs[corners[k] as usize]);
+        let area = 0.5 * f64::from((at(1) - at(0)).cross(at(2) - at(0)).length());
+        let share = area / f64::from(rows * (rows + 1) / 2);
+        for row in 0..rows {
+            for column in 0..=row {
+                // The middles of the upright ones of the small triangles.
+                let b = (f64::from(column) + 1.0 / 3.0) / f64::from(rows);
+                let a = (f64::from(rows - 1 - row) + 1.0 / 3.0) / f64::from(rows);
+                let (a, b) = (a as f32, b as f32);
+                see(
+                    (uv(0) * (1.0 - a - b) + uv(1) * a + uv(2) * b).into(),
+                    share,
+                );
+            }
+        }
+    }
+}
+
+/// Alpha of the texel at coordinates, which may lie beyond the texture.
+fn alpha_at(texture: &SceneTexture, uv: [f32; 2]) -> u8 {
+    let place = |k: usize, side: u32| {
+        let along = match texture.wrap[k] {
+            Wrap::Clamp => uv[k].clamp(0.0, 1.0),
+            Wrap::Repeat => uv[k].rem_euclid(1.0),
+            Wrap::Mirror => 1.0 - (uv[k].rem_euclid(2.0) - 1.0).abs(),
+        };
+        ((along * side as f32) as usize).min(side as usize - 1)
+    };
+    let texel = place(1, texture.height) * texture.width as usize + place(0, texture.width);
+    texture.rgba8[4 * texel + 3]
 }

@@ -509,7 +509,7 @@ fn a_buffer_that_is_not_there_is_named() {
 fn what_is_called_translucent_and_is_not_has_a_distance() {
     use crate::scene::model::{Alpha, SceneMaterial, SceneTexture};
     // Alphas of a texture, of the material, of a vertex: what the material is in truth.
-    let settled = |texels: &[u8], factor: f32, vertex: f32| {
+    let of_texture = |texels: &[u8], factor: f32, vertex: f32, shown: f32| {
         let mut scene = SceneModel {
             name: "s.glb".into(),
             textures: vec![SceneTexture {
@@ -525,8 +525,12 @@ fn what_is_called_translucent_and_is_not_has_a_distance() {
                 alpha: Alpha::Blend,
                 ..SceneMaterial::default()
             }],
+            // A square that shows the left part of the texture.
             meshes: vec![SceneMesh {
-                colors: Some(vec![[1.0, 1.0, 1.0, vertex]]),
+                positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
+                uvs: Some(vec![[0.0, 0.0], [shown, 0.0], [0.0, 1.0], [shown, 1.0]]),
+                indices: vec![0, 1, 2, 2, 1, 3],
+                colors: Some(vec![[1.0, 1.0, 1.0, vertex]; 4]),
                 ..SceneMesh::default()
             }],
             ..SceneModel::default()
@@ -534,6 +538,7 @@ fn what_is_called_translucent_and_is_not_has_a_distance() {
         blends::settle(&mut scene);
         (scene.materials[0].alpha, scene.remarks)
     };
+    let settled = |texels: &[u8], factor, vertex| of_texture(texels, factor, vertex, 1.0);
     let opaque = (Alpha::Opaque, Vec::new());
     assert_eq!(settled(&[], 1.0, 1.0), opaque);
     assert_eq!(settled(&[255, 250], 1.0, 1.0), opaque);
@@ -550,6 +555,11 @@ fn what_is_called_translucent_and_is_not_has_a_distance() {
         assert_eq!(alpha, Alpha::Blend, "{texels:?} {factor} {vertex}");
         assert!(remarks[0].contains("pane") && remarks[0].contains("no distance"));
     }
+    // In an atlas, glass that is a quarter of the texels is all of a pane; and a poster has none of it.
+    let atlas = [150, 150, 255, 255, 255, 255, 255, 255];
+    assert_eq!(of_texture(&atlas, 1.0, 1.0, 0.25).0, Alpha::Blend);
+    let atlas = [255, 255, 150, 150, 150, 150, 0, 0];
+    assert_eq!(of_texture(&atlas, 1.0, 1.0, 0.25), opaque);
 }
 
 #[test]

@@ -56,6 +56,18 @@ pub fn to_srgb(
     })
 }
 
+/// Does a file that gave no profile have one? Then it cannot be unpacked.
+pub fn announces_profile(bytes: &[u8], format: ImageFormat) -> bool {
+    match format {
+        ImageFormat::Png => super::png_chunks(bytes).any(|(kind, _)| kind == b"iCCP"),
+        // Its name stands at the head of an application's segment.
+        ImageFormat::Jpeg => bytes[..bytes.len().min(1 << 20)]
+            .windows(12)
+            .any(|name| name == b"ICC_PROFILE\0"),
+        _ => false,
+    }
+}
+
 /// `None` where the profile lacks what a conversion needs.
 fn converted(image: &DynamicImage, source: &ColorProfile) -> Option<DynamicImage> {
     let (layout, from) = match source.color_space {
@@ -83,8 +95,7 @@ fn png_code_points(bytes: &[u8], remark: &mut dyn FnMut(&str)) -> Option<ColorPr
     let transfer = TransferCharacteristics::try_from(points.transfer_function).ok();
     if let Some(TransferCharacteristics::Smpte2084 | TransferCharacteristics::Hlg) = transfer {
         remark(
-            "its brightness is coded for an HDR display, which is not read; sRGB is assumed: save it as \
-             SDR to see it right.",
+            "its brightness is coded for an HDR display, which is not read: save it as SDR to see it right.",
         );
         return None;
     }

@@ -356,6 +356,30 @@ fn photographers_colour_spaces_are_converted() {
     }
 }
 
+#[test]
+fn profiles_that_cannot_be_unpacked_are_said() {
+    let plain = png_with([9; 3], |_| {});
+    // A name, method 0, and what is no zlib; and a chunk whose sum is wrong, which readers pass over.
+    let unpacked = with_chunk(&plain, b"iCCP", b"profile\0\0nonsense");
+    let mut summed = unpacked.clone();
+    summed[33 + 8 + 17] ^= 1;
+    // The first of two parts, the second of which is not there.
+    let mut jpeg = turned_jpeg(1);
+    let part = b"\xff\xe2\0\x18ICC_PROFILE\0\x01\x02profile.";
+    jpeg.splice(2..2, part.iter().copied());
+    for bytes in [unpacked, summed, jpeg] {
+        let picture = decode(&bytes);
+        assert!(
+            picture.remarks.len() == 1 && picture.remarks[0].contains("profile is broken"),
+            "{:?}",
+            picture.remarks
+        );
+        let data = decode_picture(&bytes, "d", 1, Meaning::Data).unwrap();
+        assert!(data.remarks.is_empty(), "{:?}", data.remarks);
+    }
+    assert!(decode(&plain).remarks.is_empty());
+}
+
 /// A PNG with a chunk put in after its header.
 fn with_chunk(png: &[u8], kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let mut chunk = (data.len() as u32).to_be_bytes().to_vec();

@@ -124,12 +124,18 @@ pub fn placement(
                 }
             }
         }
-        LoadedScene::Model(_) if own.files.is_some() => {
+        LoadedScene::Model(_)
+            if own.files.is_some() && built_in(&controlled.session.scene).is_none() =>
+        {
             ui.horizontal_wrapped(|ui| {
                 ui.label("Its unit");
                 for (name, unit_m) in [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)] {
                     let shown = own.placement.unit_m.unwrap_or(1.0) == unit_m;
-                    if ui.selectable_label(shown, name).clicked() {
+                    let label = ui.selectable_label(shown, name);
+                    if name == "cm" {
+                        state.places.insert("unit cm", label.rect);
+                    }
+                    if label.clicked() {
                         controlled.requests.write(Request::ReadAgain(Placement {
                             unit_m: Some(unit_m),
                             ..own.placement
