@@ -113,6 +113,9 @@ pub fn run(
     if let Some(reason) = display_fault() {
         return Err(WindowError::NoDisplay(reason));
     }
+    // Bevy leaves signals alone where Ctrl-C is ignored, as scripts have it for what they start beside them;
+    // SIGTERM would then end the program at once. Where no handler can be set the window has none.
+    let _ = ctrlc::set_handler(bevy::app::TerminalCtrlCHandlerPlugin::gracefully_exit);
     let mut app = windowed_app(session, start);
     app.insert_resource(own);
     if !said.is_empty() {
