@@ -20,6 +20,8 @@ use super::render::median;
 use crate::anatomy::{PatientError, load_patient};
 use crate::app::Session;
 use crate::appearance::EyeQuality;
+use crate::motion::MotionCommand;
+use crate::motion::engine::GazeCommand;
 use crate::percept::Percept;
 use crate::percept::gpu_data::table_slots;
 use crate::scene::catalog::LoadedScene;
@@ -166,7 +168,13 @@ fn field_cases(count: usize) -> Result<Vec<FieldCase>, BenchError> {
     for (_, factor) in rooms {
         let mut headless =
             Headless::new(session("healthy-brown", factor)?, [size; 2], [false, true])?;
-        time_frames(&mut headless, 0.0, 5);
+        // In rooms of different size an eye that looks about looks at different things.
+        headless.world().write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+            azimuth_rad: 0.0,
+            elevation_rad: 0.0,
+            distance_m: 1.0,
+        }));
+        time_frames(&mut headless, 0.0, 60);
         running.push((headless, Vec::new()));
     }
     for frame in 0..count {
