@@ -17,6 +17,7 @@ pub use components::{
     Cornea, Eye, Eyelids, GazeController, Glaucoma, Iris, Laterality, Lens, Pupil, Sclera,
     SharpnessField,
 };
+#[cfg(feature = "app")]
 pub(crate) use patient::parse_unchecked;
 pub use patient::{
     GlaucomaStage, IrisColor, PatientError, PatientFile, PupilSetting, load_patient, parse_patient,
