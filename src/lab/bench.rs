@@ -169,11 +169,13 @@ fn field_cases(count: usize) -> Result<Vec<FieldCase>, BenchError> {
         let mut headless =
             Headless::new(session("healthy-brown", factor)?, [size; 2], [false, true])?;
         // In rooms of different size an eye that looks about looks at different things.
-        headless.world().write_message(MotionCommand::Gaze(GazeCommand::Fixed {
-            azimuth_rad: 0.0,
-            elevation_rad: 0.0,
-            distance_m: 1.0,
-        }));
+        headless
+            .world()
+            .write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+                azimuth_rad: 0.0,
+                elevation_rad: 0.0,
+                distance_m: 1.0,
+            }));
         time_frames(&mut headless, 0.0, 60);
         running.push((headless, Vec::new()));
     }
