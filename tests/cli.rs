@@ -387,3 +387,18 @@ fn nonsense_on_the_command_line_ends_with_2() {
     );
     assert!(!Path::new(&out).exists());
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_display_where_nothing_answers_gets_a_sentence() {
+    let output = program(&[])
+        .env("DISPLAY", ":7777")
+        .output()
+        .expect("the program starts");
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert_eq!(errors.lines().count(), 1, "{errors}");
+    // A machine without a display may lack the libraries as well.
+    let reason = errors.contains("nothing answers there") || errors.contains("cannot be loaded");
+    assert!(errors.contains("no display") && reason, "{errors}");
+}

@@ -29,7 +29,7 @@ use std::sync::Arc;
 use wgpu_types::DeviceType;
 
 /// Near plane of the scene camera, m: a page held before the eye is still drawn.
-pub(super) const NEAR_M: f32 = 0.02;
+pub const NEAR_M: f32 = 0.02;
 /// Largest side of the scene's picture that every device takes.
 const LARGEST_TEXTURE: u32 = 8192;
 /// Below this opening of the lids nothing new is seen.

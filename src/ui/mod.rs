@@ -341,6 +341,8 @@ fn visuals() -> egui::Visuals {
     visuals.widgets.noninteractive.fg_stroke.color = egui::Color32::from_gray(190);
     visuals.weak_text_color = Some(egui::Color32::from_gray(150));
     visuals.error_fg_color = egui::Color32::from_rgb(255, 140, 130);
+    // One picture of each glyph, not four by where in a pixel it begins: see `keep_glyphs`.
+    visuals.text_options.subpixel_binning = false;
     visuals
 }
 
@@ -395,5 +397,28 @@ mod tests {
                 assert!(found >= least, "{text:?} on {ground:?}: {found}");
             }
         }
+    }
+
+    #[test]
+    fn no_reading_waits_for_its_glyphs() {
+        // Does a number of the second frame need the font's texture anew?
+        let late = |kept: bool| {
+            let context = egui::Context::default();
+            context.set_visuals(visuals());
+            let frame = |reading: &str| {
+                let output = context.run_ui(egui::RawInput::default(), |ui| {
+                    if kept {
+                        keep_glyphs(ui.ctx());
+                    }
+                    ui.label(reading);
+                    ui.monospace(reading);
+                });
+                !output.textures_delta.set.is_empty()
+            };
+            assert!(frame("0"), "the first frame brings the texture");
+            frame("−21.7° µm 98.6 ×")
+        };
+        assert!(late(false), "the test sees nothing");
+        assert!(!late(true));
     }
 }

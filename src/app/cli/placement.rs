@@ -1,6 +1,7 @@
 //! How a user's photograph or model stands: distances, heights and units of the command line.
 
 use super::Shown;
+use crate::percept::view::NEAR_M;
 use crate::scene::depth_file::DepthUnit;
 use crate::scene::photo::PhotoOptions;
 use clap::ValueEnum;
@@ -80,7 +81,7 @@ pub(super) fn parse_length(text: &str) -> Result<f32, String> {
 
 pub(super) fn parse_at(text: &str) -> Result<f32, String> {
     let at_m = parse_length(text)?;
-    if at_m >= 0.02 {
+    if at_m >= NEAR_M {
         return Ok(at_m);
     }
     Err(format!(
@@ -122,7 +123,7 @@ pub(super) fn photo_options(shown: &Shown) -> Result<PhotoOptions, String> {
     if scaled && !matches!(shown.depth_unit, None | Some(DepthUnit::Inverse)) {
         return Err("--depth-near and --depth-far go with --depth-unit inverse only".into());
     }
-    if let Some(near_m) = shown.depth_near.filter(|near_m| *near_m < 0.02) {
+    if let Some(near_m) = shown.depth_near.filter(|near_m| *near_m < NEAR_M) {
         return Err(format!(
             "--depth-near is {near_m} m, nearer than 2 cm, the nearest that is drawn"
         ));
