@@ -398,7 +398,7 @@ fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
     // A second Ctrl-C ends the program at once; whole files stay whole either way.
     ctrlc::set_handler(move || {
         if asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+            crate::lab::bench::leave(130);
         }
     })?;
     let session = session(&arguments.shown)?;

@@ -237,7 +237,7 @@ fn underway() -> MutexGuard<'static, Underway> {
 pub fn interrupt() {
     // The process apart is interrupted too, and its parent speaks for both.
     if std::env::var_os(TASKS_FILE).is_some() {
-        std::process::exit(130);
+        leave(130);
     }
     let mut underway = underway();
     if underway.writing {
@@ -251,7 +251,21 @@ pub fn interrupt() {
     }
     drop(underway.folder.take());
     eprintln!("ocularium: interrupted; a bench is kept whole or not at all, so nothing was kept");
-    std::process::exit(130);
+    leave(130);
+}
+
+/// Ends the process with `code` while its other threads are at work.
+///
+/// `std::process::exit` runs the destructors of the libraries beside those threads, and a graphics
+/// driver that compiles a shader meanwhile then aborts, with a code of its own.
+pub fn leave(code: i32) -> ! {
+    #[cfg(unix)]
+    // SAFETY: it takes a number, touches no memory and does not return.
+    unsafe {
+        libc::_exit(code)
+    }
+    #[cfg(not(unix))]
+    std::process::exit(code)
 }
 
 /// [`approximate`] in a process of its own.
