@@ -7,7 +7,7 @@ mod results;
 mod zoo;
 
 use image::{Rgb, RgbImage};
-use ocularium::anatomy::PRESETS;
+use ocularium::patients::PRESETS;
 use ocularium::scene::catalog::BuiltIn;
 use std::fs;
 use std::path::{Path, PathBuf};

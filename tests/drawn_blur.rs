@@ -9,7 +9,7 @@ use crate::stage::{look, open, patient, settle, without_blinks};
 use bevy::math::UVec2;
 use half::f16;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
-use ocularium::anatomy::{PatientFile, PupilSetting};
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::app::SessionCommand;
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::percept::gather::{

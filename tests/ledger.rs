@@ -7,7 +7,7 @@ use bevy::math::UVec2;
 use bevy::prelude::Mut;
 use ocularium::app::{Panels, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
-use ocularium::ledger::Work;
+use ocularium::frame::ledger::Work;
 use ocularium::motion::MotionCommand;
 use ocularium::percept::Percept;
 use ocularium::percept::gpu_data::PerceptUniform;

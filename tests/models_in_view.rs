@@ -3,7 +3,7 @@
 use crate::percept_gpu::photo_session;
 use crate::stage::{alone, open, patient, settle, without_blinks};
 use bevy::math::UVec2;
-use ocularium::anatomy::{PatientFile, PupilSetting};
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::app::{Session, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::percept::Percept;

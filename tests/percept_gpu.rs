@@ -4,7 +4,8 @@
 use crate::stage::{alone, engine, look, luma_at, open, patient, settle, without_blinks};
 use bevy::math::{UVec2, Vec2};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
-use ocularium::anatomy::{Laterality, PatientFile, PupilSetting};
+use ocularium::anatomy::Laterality;
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::app::{Session, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
@@ -12,7 +13,7 @@ use ocularium::percept::Percept;
 use ocularium::percept::fast::{self, Corner};
 use ocularium::percept::gather::{perimetric_angles, view_ray};
 use ocularium::percept::gpu_data::CANDIDATE_CAPACITY;
-use ocularium::percept::visual_field::VisualField;
+use ocularium::anatomy::visual_field::VisualField;
 use ocularium::scene::catalog::{LoadedScene, SceneSource};
 use ocularium::scene::photo::{PhotoOptions, load_photo_bytes};
 use rand::{RngExt, SeedableRng};
@@ -60,7 +61,7 @@ pub fn photo(
     let depth = depth.map(|depth| png(&DynamicImage::ImageLuma8(depth.clone())));
     let depth = depth.as_deref().map(|bytes| (bytes, "depth.png"));
     let scene = load_photo_bytes(&png(image), "photo.png", depth, options);
-    LoadedScene::Photo(Box::new(scene.expect("a sound photograph")))
+    LoadedScene::Photo(Arc::new(scene.expect("a sound photograph")))
 }
 
 #[test]
@@ -282,7 +283,7 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
         assert!(ahead.gaze_azimuth_rad.hypot(ahead.gaze_elevation_rad) < 1e-9);
         run.view()
     });
-    let field = VisualField::glaucoma(stage.expect("a stage"), eye, age_years);
+    let field = ocularium::conditions::glaucoma::glaucoma_field(stage.expect("a stage"), eye, age_years);
     let half = 25f64.to_radians().tan();
     // Means over what is lost, what is kept, and the four quadrants: (sum, count) each.
     let mut darker = [[0.0_f64; 2]; 6];

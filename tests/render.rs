@@ -9,7 +9,8 @@ use crate::stage::{
 };
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::anatomy::{Laterality, PatientFile, PupilSetting};
+use ocularium::anatomy::Laterality;
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::app::SessionCommand;
 use ocularium::appearance::EyeOrbit;
 use ocularium::lab::headless::{Headless, Which};

@@ -20,7 +20,7 @@ mod tissue;
 
 use glam::{DVec2, DVec3};
 use ocularium::optics::{fresnel, snell};
-use ocularium::shaders::LIBRARY;
+use ocularium::frame::shaders::LIBRARY;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 

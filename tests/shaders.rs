@@ -15,8 +15,8 @@ use naga_oil::compose::{
 };
 use ocularium::app::SessionCommand;
 use ocularium::appearance::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
-use ocularium::readiness::Readiness;
-use ocularium::shaders::{LIBRARY, SOURCES, ShadersPlugin, Source};
+use ocularium::frame::readiness::Readiness;
+use ocularium::frame::shaders::{LIBRARY, SOURCES, ShadersPlugin, Source};
 use std::collections::{BTreeSet, HashMap};
 
 /// What the eye's shaders take from Bevy, in as few words as they need: the real modules are

@@ -2,13 +2,14 @@
 
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::anatomy::{PatientFile, load_patient};
-use ocularium::app::{Panels, Session, SimulationClock};
+use ocularium::patients::{PatientFile, load_patient};
+use ocularium::frame::SimulationClock;
+use ocularium::lab::headless::Which;
 use ocularium::lab::headless::Headless;
 use ocularium::motion::engine::{GazeCommand, Oculomotor, OculomotorState};
-use ocularium::motion::{Motion, MotionCommand};
-use ocularium::percept::Percept;
-use ocularium::readiness::Readiness;
+use ocularium::motion::MotionCommand;
+use ocularium::stage::Session;
+use ocularium::frame::readiness::Readiness;
 use ocularium::scene::catalog::{BuiltIn, LoadedScene};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -34,8 +35,6 @@ pub fn session(patient: PatientFile, seed: u64) -> Session {
         patient,
         scene: room.clone(),
         seed,
-        scene_version: 1,
-        restarts: 0,
     }
 }
 
@@ -54,11 +53,11 @@ pub fn settle(headless: &mut Headless) {
         let errors = readiness.errors();
         assert!(errors.is_empty(), "{errors:?}");
         let built = readiness.quiet_frames() >= 5;
-        let view = &world.resource::<Panels>().view;
-        let percept = world.resource::<Percept>();
-        let captured = percept.is_captured() && percept.captured().size == view.size;
         let ready = world.resource::<SimulationClock>().ready;
-        if built && ready && (captured || !view.visible) {
+        let percept = headless.percept();
+        let captured =
+            percept.is_captured() && percept.captured().size == headless.size(Which::View);
+        if built && ready && (captured || !headless.is_shown(Which::View)) {
             headless.stand_still();
             return;
         }
@@ -68,11 +67,10 @@ pub fn settle(headless: &mut Headless) {
 
 /// Keeps spontaneous blinks away, so that pictures at fixed times show open lids.
 pub fn without_blinks(headless: &mut Headless) {
-    let mut motion = headless.world().resource_mut::<Motion>();
-    let mut settings = motion.engine.settings().clone();
+    let mut controller = headless.controller_mut();
+    let mut settings = controller.engine().settings().clone();
     settings.blinks = false;
-    motion
-        .engine
+    controller
         .set_settings(settings)
         .expect("sound settings");
 }
@@ -95,8 +93,8 @@ pub fn command(headless: &mut Headless, gaze: GazeCommand) {
 }
 
 /// The engine as it is, to be asked about the future without drawing it.
-pub fn engine(headless: &mut Headless) -> Oculomotor {
-    headless.world().resource::<Motion>().engine.clone()
+pub fn engine(headless: &Headless) -> Oculomotor {
+    headless.controller().engine().clone()
 }
 
 /// First time after `from_s` at which the engine's state satisfies `wanted`, by steps of `step_s`

@@ -3,7 +3,7 @@
 use crate::stage::{alone, luma_at, open, session, statistics};
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::anatomy::{PatientFile, PupilSetting};
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::lab::headless::Which;
 
 /// Lumas of a part of a picture: the darkest and the mean.

@@ -42,3 +42,14 @@ fn vertex(in: VertexIn) -> Surface {
 fn footprint_at(distance_mm: f32) -> f32 {
     return pixel_footprint(distance_mm, view.clip_from_view[1][1], view.viewport.w);
 }
+
+// Radiance as this camera wants it: under its exposure, and through the output transform where it has
+// none of its own.
+fn shown(studio: Studio, radiance: vec3<f32>) -> vec3<f32> {
+    let exposure = studio.key_color.w * mix(1.0, view.exposure, studio.ambient_down.w);
+#ifdef RADIANCE
+    return radiance * exposure;
+#else
+    return output_transform(radiance, exposure);
+#endif
+}

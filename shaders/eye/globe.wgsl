@@ -92,5 +92,5 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var specular = tear_reflection(globe.studio, n_head, v_head, mix(0.16, 0.012, corneal), globe.pupil.w, shade.upper_gap);
     let broken = globe.studio.key_color.rgb * lamp_lobe(n_head, v_head, key.xyz, lamp_alpha(0.24, 0.25 * (key.w * 0.25)), 1.336, 1e-3);
     specular += broken * shade.key * (1.0 - corneal);
-    return vec4f(output_transform(diffuse + specular, globe.studio.key_color.w), 1.0);
+    return vec4f(shown(globe.studio, diffuse + specular), 1.0);
 }

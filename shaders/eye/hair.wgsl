@@ -17,5 +17,5 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let along = normalize(in.tissue.xyz + vec3(0.0, 1e-5, 0.0));
     let color = mix(hair.root.rgb, hair.tip.rgb, in.tissue.w);
     let radiance = hair_radiance(hair.studio, color, along, v);
-    return vec4(output_transform(radiance, hair.studio.key_color.w), 1.0);
+    return vec4(shown(hair.studio, radiance), 1.0);
 }

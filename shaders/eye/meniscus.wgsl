@@ -14,5 +14,5 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
     let radiance = meniscus_reflection(meniscus.studio, normalize(in.normal), v) * meniscus.options.x;
     // Added in display space, so keep the tone curve's small-signal slope of one.
-    return vec4(output_transform(radiance, meniscus.studio.key_color.w), 0.0);
+    return vec4(shown(meniscus.studio, radiance), 0.0);
 }

@@ -32,5 +32,5 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let n = skin_normal(normalize(in.normal), v, in.tissue, skin.flesh.w, fine, coarse);
     let albedo = skin_albedo(skin.albedo.rgb, skin.flesh.rgb, in.tissue, fine, coarse, length(p), skin.globe.x);
     let radiance = albedo * skin_light(skin.studio, n, in.tissue) + skin_specular(skin.studio, n, v, in.tissue, skin.albedo.w);
-    return vec4(output_transform(radiance, skin.studio.key_color.w), 1.0);
+    return vec4(shown(skin.studio, radiance), 1.0);
 }

@@ -8,10 +8,21 @@ struct Studio {
     key_color: vec4<f32>,
     fill_direction: vec4<f32>,
     fill_color: vec4<f32>,
-    // Radiance of the surroundings from above and from below.
+    // Radiance of the surroundings from above; w: 1 where the key light is a four-paned window, 0 where it
+    // is a round lamp.
     ambient_up: vec4<f32>,
+    // And from below; w: 1 where the camera's exposure is still to come.
     ambient_down: vec4<f32>,
 };
+
+// Radiance over irradiance / pi of a round lamp of angular radius `radius` about `direction`.
+fn round_lamp(d: vec3<f32>, direction: vec3<f32>, radius: f32, blur: f32) -> f32 {
+    let edge = max(blur, 0.02);
+    let angle = acos(clamp(dot(d, direction), -1.0, 1.0));
+    // The soft edge widens the lamp: its light stays what it was.
+    let spread = max(radius, edge);
+    return smoothstep(radius + edge, radius - edge, angle) / (spread * spread);
+}
 
 // Radiance that arrives from direction d: a room with a four-paned window
 // (the key light), a smaller lamp (the fill) and soft surroundings.
@@ -23,7 +34,9 @@ fn studio_radiance(studio: Studio, d: vec3<f32>, blur: f32) -> vec3<f32> {
     let right = normalize(cross(vec3(0.0, 1.0, 0.0), key));
     let above = cross(key, right);
     let along = dot(d, key);
-    if along > 0.05 {
+    if studio.ambient_up.w < 0.5 {
+        radiance += studio.key_color.rgb * round_lamp(d, key, studio.key_direction.w, blur);
+    } else if along > 0.05 {
         let p = vec2(dot(d, right), dot(d, above)) / along;
         let half_size = vec2(0.72, 1.0) * studio.key_direction.w;
         let edge = max(blur, 0.008);
@@ -35,11 +48,8 @@ fn studio_radiance(studio: Studio, d: vec3<f32>, blur: f32) -> vec3<f32> {
         let solid_angle = 4.0 * half_size.x * half_size.y;
         radiance += studio.key_color.rgb * (3.14159265 / solid_angle) * coverage * (0.75 + 0.25 * clamp(p.y / half_size.y, -1.0, 1.0));
     }
-    let fill = dot(d, studio.fill_direction.xyz);
-    let radius = studio.fill_direction.w;
-    let fill_edge = max(blur, 0.02);
-    let fill_angle = acos(clamp(fill, -1.0, 1.0));
-    radiance += studio.fill_color.rgb / (radius * radius) * smoothstep(radius + fill_edge, radius - fill_edge, fill_angle);
+    let fill = round_lamp(d, studio.fill_direction.xyz, studio.fill_direction.w, blur);
+    radiance += studio.fill_color.rgb * fill;
     return radiance;
 }
 

@@ -13,7 +13,7 @@
 @group(0) @binding(9) var<storage, read> voxel_tag_old: array<u32>;
 @group(0) @binding(10) var<storage, read> voxel_home_old: array<u32>;
 @group(0) @binding(11) var<storage, read> sharpness_keys_old: array<u32>;
-#ifdef GLAUCOMA
+#ifdef FIELD_LOSS
 @group(0) @binding(12) var visual_field: texture_2d<f32>;
 #endif
 
@@ -111,7 +111,7 @@ fn blur_now(pixel: vec2<u32>) -> f32 {
     let eccentricity = angle_between(ray, percept.fixation.xyz);
     let defocus = defocus_blur_angle(percept.pupil_m, vergence, percept.fixation.w, percept.refraction_d);
     var neural = neural_blur(eccentricity, percept.neural_floor_rad, percept.eccentricity_e2_rad);
-#ifdef GLAUCOMA
+#ifdef FIELD_LOSS
     neural += percept.eccentricity_penalty * eccentricity;
     let seen = seen_fraction(visual_field, perimetric_angles(ray, percept.fixation.xyz));
     neural = combined_blur(neural, (1.0 - seen) * percept.loss_blur_rad);
@@ -152,7 +152,7 @@ fn read_blur(
             key = atomicLoad(&sharpness_keys[slot]);
         }
         var coc = sharpness_key_decode(key, percept.starve_steps, percept.epoch, percept.coc_cap_rad);
-#ifdef GLAUCOMA
+#ifdef FIELD_LOSS
         // What is lost now is filled in from its surround, whatever memory holds.
         let seen = seen_fraction(visual_field, perimetric_angles(ray_of(pixel), percept.fixation.xyz));
         coc = combined_blur(coc, (1.0 - seen) * percept.loss_blur_rad);

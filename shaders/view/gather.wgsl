@@ -4,7 +4,7 @@
 @group(0) @binding(2) var view_sampler: sampler;            // linear, mips nearest, clamp to edge
 @group(0) @binding(3) var<storage, read> blur_px: array<f32>;
 @group(0) @binding(4) var<storage, read> tile_near: array<vec2<f32>>;
-#ifdef GLAUCOMA
+#ifdef FIELD_LOSS
 @group(0) @binding(5) var visual_field: texture_2d<f32>;
 #endif
 #ifdef COUNT_WORK
@@ -239,7 +239,7 @@ fn seen_radiance(place: vec2<f32>) -> vec3<f32> {
     if near > max(sigma, 0.5) {
         colour = spread_near(place, centre, colour, max(sigma, 0.5), near);
     }
-#ifdef GLAUCOMA
+#ifdef FIELD_LOSS
     let tan_half_fov = vec2<f32>(percept.right.w, percept.up.w);
     let ray = view_ray(place, vec2<f32>(percept.size), tan_half_fov);
     let lost = 1.0 - seen_fraction(visual_field, perimetric_angles(ray, percept.fixation.xyz));

@@ -1,4 +1,4 @@
-#ifdef GLAUCOMA
+#ifdef FIELD_LOSS
 // Fraction still seen at a place of the visual field (rad from the fixation, +x right, +y up),
 // from a square map whose first row is the highest; its edge continues outwards.
 fn seen_fraction(map: texture_2d<f32>, angles_rad: vec2<f32>) -> f32 {

@@ -1,15 +1,25 @@
 //! The components that are the patient.
 //!
-//! Static anatomy (cornea, iris pigment, sclera) is set when a patient is
-//! loaded; the moving parts (pupil, lens, lids, gaze) are written once a frame
-//! in the `Move` set and read by everyone after it.
+//! A person ([`Patient`]) has two eyes, entities of their own that are related to the person by
+//! [`EyeOf`]. What a patient file sets (anatomy) and what moves from frame to frame (state) are
+//! different components, so that Bevy's `Changed<T>` says what changed:
+//!
+//! | | anatomy | state |
+//! |---|---|---|
+//! | person | [`Patient`], [`Skin`], [`PupilControl`], [`Adaptation`] | [`Eyelids`] |
+//! | eye | [`Eye`], [`Cornea`], [`Iris`], [`Lens`], [`Refraction`], [`Sclera`] | [`Gaze`], [`Pupil`], [`Accommodation`] |
 
-use super::patient::{GlaucomaStage, PatientFile};
-use bevy::prelude::Component;
+use super::gaze::GazeAngles;
+use crate::optics::pupil::entrance_pupil_magnification;
+use crate::tissue::iris_reflectance::IrisPigment;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::math::{DVec3, Quat};
+use bevy::prelude::{Component, Entity};
+use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 
 /// Which of the two eyes: OD (oculus dexter, right) or OS (oculus sinister, left).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Reflect)]
 pub enum Laterality {
     /// The right eye; its temporal side is the patient's right.
     #[default]
@@ -18,19 +28,109 @@ pub enum Laterality {
     OS,
 }
 
-/// The eye itself: marks the patient's entity and says who it belongs to.
-#[derive(Component, Clone, Debug, PartialEq)]
+impl Laterality {
+    /// Both, right first.
+    pub const BOTH: [Self; 2] = [Self::OD, Self::OS];
+
+    /// +1 for the right eye, −1 for the left: the sign of its temporal side along x.
+    pub fn temporal_sign(self) -> f64 {
+        match self {
+            Self::OD => 1.0,
+            Self::OS => -1.0,
+        }
+    }
+
+    /// The other eye.
+    pub fn other(self) -> Self {
+        match self {
+            Self::OD => Self::OS,
+            Self::OS => Self::OD,
+        }
+    }
+}
+
+/// A person; her eyes are the entities of [`Eyes`].
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
+#[require(Skin, Eyelids, PupilControl, Adaptation)]
+pub struct Patient {
+    /// Name shown to the user.
+    pub name: String,
+    /// One sentence about this person.
+    pub description: String,
+    /// Age, 1 to 110 years.
+    pub age_years: f64,
+    /// The eye that leads: it is shown where one is shown, and the other follows its gaze.
+    pub leading: Laterality,
+    /// Distance between the centres of rotation of the eyes, mm.
+    pub interpupillary_mm: f64,
+    /// Seed of what nobody measures: the fibres of the irises, the vessels, the pores.
+    pub seed: u64,
+}
+
+impl Default for Patient {
+    fn default() -> Self {
+        Self {
+            name: "Unnamed".into(),
+            description: String::new(),
+            age_years: 30.0,
+            leading: Laterality::OD,
+            interpupillary_mm: 63.0,
+            seed: 1,
+        }
+    }
+}
+
+impl Patient {
+    /// Seed of the iris of one of her eyes. The irises of one person are no copies of each other.
+    pub fn iris_seed(&self, eye: Laterality) -> u64 {
+        match eye {
+            Laterality::OD => self.seed,
+            Laterality::OS => self.seed ^ 0x1ef7_1ef7,
+        }
+    }
+
+    /// Seed of the vessels on one of her eyes.
+    pub fn vessel_seed(&self, eye: Laterality) -> u64 {
+        self.iris_seed(eye) ^ 0x5c1e_4a00
+    }
+}
+
+/// The person whose eye this entity is.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
+#[relationship(relationship_target = Eyes)]
+pub struct EyeOf(pub Entity);
+
+/// The eyes of a person.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
+#[relationship_target(relationship = EyeOf, linked_spawn)]
+pub struct Eyes(Vec<Entity>);
+
+impl Eyes {
+    /// The entities of the eyes, in the order in which they were made.
+    pub fn entities(&self) -> &[Entity] {
+        &self.0
+    }
+}
+
+/// An eye's globe.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Eye {
     /// Right or left eye.
     pub laterality: Laterality,
-    /// The owner's age in years, 1 to 110.
-    pub age_years: f64,
     /// Radius of the scleral sphere, mm.
     pub scleral_radius_mm: f64,
+    /// Angle alpha: how far the optical axis points outwards (temporally) and down of the line of
+    /// sight, degrees.
+    pub angle_alpha_deg: [f64; 2],
 }
 
 /// The cornea as two conicoids p z² − 2 R z + x² + y² = 0 (François 2007, equation 1).
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Cornea {
     /// Apical radius of the anterior surface, mm.
     pub anterior_radius_mm: f64,
@@ -52,183 +152,302 @@ pub struct Cornea {
     pub lipid_thickness_nm: f64,
 }
 
-/// The iris: where it lies and what it is made of.
-#[derive(Component, Clone, Debug, PartialEq)]
+impl Cornea {
+    /// Diameter of the entrance pupil in that of the stop, for an iris this far (mm) behind the apex.
+    pub fn pupil_magnification(&self, iris_depth_mm: f64) -> f64 {
+        entrance_pupil_magnification(
+            self.anterior_radius_mm,
+            self.posterior_radius_mm,
+            self.thickness_mm,
+            self.index,
+            self.aqueous_index,
+            iris_depth_mm,
+        )
+    }
+}
+
+/// Colour class of the iris: how much melanin, and of which kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Reflect)]
+pub enum IrisColor {
+    /// Almost no melanin in stroma and border layer: the colour is scattering alone.
+    Blue,
+    /// A little, mostly pheomelanin, in the border layer.
+    Green,
+    /// Dense eumelanin in both.
+    #[default]
+    Brown,
+}
+
+impl IrisColor {
+    /// Pigment of this class.
+    pub fn pigment(self) -> IrisPigment {
+        match self {
+            Self::Blue => IrisPigment::BLUE,
+            Self::Green => IrisPigment::GREEN,
+            Self::Brown => IrisPigment::BROWN,
+        }
+    }
+}
+
+/// The iris: where it lies, where the hole in it is, and what it is made of.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Iris {
+    /// Colour class, where nothing more exact is known.
+    pub color: IrisColor,
+    /// Volume fraction of melanin in the stroma (C_m of equation 13), 0 to 0.5; `None`: by class.
+    pub stroma_melanin_fraction: Option<f64>,
+    /// Volume fraction of melanin in the anterior border layer, 0 to 0.5; `None`: by class.
+    pub border_layer_melanin_fraction: Option<f64>,
+    /// Ratio of eumelanin to all melanin (β_m of equation 13), 0 to 1; `None`: by class.
+    pub eumelanin_ratio: Option<f64>,
     /// Depth of the iris plane behind the corneal apex, mm.
     pub depth_mm: f64,
     /// Radius of the iris root, mm.
     pub root_radius_mm: f64,
-    /// Volume fraction of melanin in the stroma (C_m of equation 13).
-    pub stroma_melanin_fraction: f64,
-    /// Volume fraction of melanin in the anterior border layer.
-    pub border_layer_melanin_fraction: f64,
-    /// Ratio of eumelanin to all melanin (β_m of equation 13), 0 to 1.
-    pub eumelanin_ratio: f64,
-    /// Seed of the fibre relief.
-    pub seed: u64,
-}
-
-/// The pupil as it is now.
-#[derive(Component, Clone, Debug, PartialEq)]
-pub struct Pupil {
-    /// Diameter of the real pupil, mm, 1 to 9.
-    pub diameter_mm: f64,
     /// Decentration of the pupil from the corneal axis, mm: nasal positive, superior positive.
-    pub decentration_mm: [f64; 2],
+    pub pupil_decentration_mm: [f64; 2],
 }
 
-/// The crystalline lens as it is now, with the eye's refractive error.
-#[derive(Component, Clone, Debug, PartialEq)]
+impl Iris {
+    /// What the iris is made of: the class, and what is known better.
+    pub fn pigment(&self) -> IrisPigment {
+        let class = self.color.pigment();
+        IrisPigment {
+            stroma_melanin_fraction: self
+                .stroma_melanin_fraction
+                .unwrap_or(class.stroma_melanin_fraction),
+            border_layer_melanin_fraction: self
+                .border_layer_melanin_fraction
+                .unwrap_or(class.border_layer_melanin_fraction),
+            eumelanin_ratio: self.eumelanin_ratio.unwrap_or(class.eumelanin_ratio),
+        }
+    }
+}
+
+/// The crystalline lens.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Lens {
-    /// Accommodation above the relaxed state, D.
-    pub accommodation_d: f64,
-    /// Largest accommodation, D.
-    pub amplitude_d: f64,
-    /// Spherical equivalent of the refractive error, D; negative is myopia.
-    pub spherical_equivalent_d: f64,
+    /// Largest accommodation, D, 0 to 20; `None`: by age (Hofstetter's mean).
+    pub amplitude_d: Option<f64>,
 }
 
-impl Lens {
-    /// The vergence (D) of the plane that is sharp now: the far point, −SE, plus accommodation.
-    pub fn focus_vergence_d(&self) -> f64 {
-        self.accommodation_d - self.spherical_equivalent_d
+/// The refractive error as spectacles correct it, in the plane of the cornea.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Refraction {
+    /// Sphere, D; negative is short-sighted.
+    pub sphere_d: f64,
+    /// Cylinder, D.
+    pub cylinder_d: f64,
+    /// Axis of the cylinder, degrees, 0 to 180.
+    pub axis_deg: f64,
+}
+
+impl Refraction {
+    /// Sphere plus half the cylinder, D.
+    pub fn spherical_equivalent_d(&self) -> f64 {
+        self.sphere_d + 0.5 * self.cylinder_d
     }
 }
 
 /// The sclera and what covers it.
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Sclera {
     /// Redness of the conjunctiva, 0 (quiet) to 1 (injected).
     pub redness: f64,
-    /// Seed of the vessels.
-    pub seed: u64,
 }
 
-/// The lids as they are now.
-#[derive(Component, Clone, Debug, PartialEq)]
+/// A person's skin.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Skin {
+    /// Tone, 0 (very light) to 1 (very dark).
+    pub tone: f64,
+}
+
+impl Default for Skin {
+    fn default() -> Self {
+        Self { tone: 0.3 }
+    }
+}
+
+/// What sets a person's pupils: light, age and focus, unless they are held. Both numbers are
+/// diameters of the entrance pupil, as it is seen and measured from in front.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct PupilControl {
+    /// Diameter at which the pupils stand for good, mm, 1 to 9 (drops, injury).
+    pub fixed_mm: Option<f64>,
+    /// Diameter at which somebody holds them for now, mm, 1 to 9.
+    pub held_mm: Option<f64>,
+}
+
+impl PupilControl {
+    /// The diameter at which they stand, if they do, mm.
+    pub fn diameter_mm(&self) -> Option<f64> {
+        self.held_mm.or(self.fixed_mm)
+    }
+}
+
+/// The light to which a person's eyes are adapted.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Adaptation {
+    /// Mean luminance of what is before the eyes, cd/m².
+    pub luminance_cd_m2: f64,
+}
+
+impl Default for Adaptation {
+    /// A well-lit room.
+    fn default() -> Self {
+        Self {
+            luminance_cd_m2: 100.0,
+        }
+    }
+}
+
+/// Where an eye looks now: its line of sight in the head.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Gaze {
+    /// Azimuth, radians, positive to the patient's right.
+    pub azimuth_rad: f64,
+    /// Elevation, radians, positive up.
+    pub elevation_rad: f64,
+    /// Torsion, radians, by Listing's law; the top of the eye to the patient's right.
+    pub torsion_rad: f64,
+}
+
+impl Gaze {
+    /// The line of sight towards these angles, with the torsion that Listing's law gives it.
+    pub fn towards(angles: GazeAngles) -> Self {
+        Self {
+            azimuth_rad: angles.azimuth_rad,
+            elevation_rad: angles.elevation_rad,
+            torsion_rad: angles.listing_torsion_rad(),
+        }
+    }
+
+    /// Unit vector of the line of sight in the head: x to the patient's right, y up, −z ahead.
+    pub fn direction(&self) -> DVec3 {
+        GazeAngles::new(self.azimuth_rad, self.elevation_rad).direction()
+    }
+
+    /// Rotation that brings the line of sight from straight ahead here (Fick: azimuth, elevation,
+    /// torsion).
+    pub fn rotation(&self) -> Quat {
+        Quat::from_rotation_y(-self.azimuth_rad as f32)
+            * Quat::from_rotation_x(self.elevation_rad as f32)
+            * Quat::from_rotation_z(-self.torsion_rad as f32)
+    }
+
+    /// Rotation of the globe in the head. Its optical axis lies aside of the line of sight by angle
+    /// alpha ([`Eye::angle_alpha_deg`]).
+    pub fn globe_rotation(&self, eye: &Eye) -> Quat {
+        let [outwards, down] = eye.angle_alpha_deg.map(|angle| angle.to_radians() as f32);
+        let temporal = eye.laterality.temporal_sign() as f32;
+        self.rotation()
+            * Quat::from_rotation_y(-temporal * outwards)
+            * Quat::from_rotation_x(-down)
+    }
+}
+
+/// The pupil as it is now.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Pupil {
+    /// Diameter of the stop, the hole in the iris, mm. What is seen of it from in front, and what
+    /// limits the light, is the entrance pupil: [`Cornea::pupil_magnification`] times this.
+    pub diameter_mm: f64,
+}
+
+impl Default for Pupil {
+    fn default() -> Self {
+        Self { diameter_mm: 3.5 }
+    }
+}
+
+/// What the lens does now.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Accommodation {
+    /// Response above the relaxed state, D.
+    pub response_d: f64,
+}
+
+/// A person's lids as they are now.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Eyelids {
-    /// Opening relative to the patient's relaxed one: 0 closed, 1 open.
+    /// Opening relative to the person's relaxed one: 0 closed, 1 open.
     pub aperture: f64,
     /// Is a blink under way?
     pub blinking: bool,
     /// Number of blinks that have fully closed the lids.
     pub blink_epoch: u64,
-    /// Skin tone, 0 (very light) to 1 (very dark).
-    pub skin_tone: f64,
 }
 
-/// Where the eye looks now.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub struct GazeController {
-    /// Azimuth of gaze, radians, positive to the patient's right.
-    pub azimuth_rad: f64,
-    /// Elevation of gaze, radians, positive up.
-    pub elevation_rad: f64,
-    /// Torsion, radians, by Listing's law.
-    pub torsion_rad: f64,
-    /// Azimuth of the fixated point (the end of the saccade in flight), radians.
-    pub fixation_azimuth_rad: f64,
-    /// Elevation of the fixated point, radians.
-    pub fixation_elevation_rad: f64,
-    /// Distance of the fixated point, m; may be infinite.
-    pub fixation_distance_m: f64,
-    /// Is a saccade in flight?
-    pub in_saccade: bool,
-    /// Number of fixations so far.
-    pub fixation_index: u64,
+impl Default for Eyelids {
+    fn default() -> Self {
+        Self {
+            aperture: 1.0,
+            blinking: false,
+            blink_epoch: 0,
+        }
+    }
 }
 
-/// The memory of what was seen sharply (Nießner 2013, section 4).
-#[derive(Component, Clone, Debug, PartialEq)]
-pub struct SharpnessField {
-    /// Starving rate r, 1/s: the blur of an unseen place grows as e^(r t).
-    /// 1–2 % a step at 30 Hz is 0.3–0.6.
-    pub starve_rate_per_s: f64,
-    /// Edge of a voxel, m.
-    pub voxel_m: f64,
-    /// Largest blur that is shown, as a visual angle in radians.
-    pub blur_cap_rad: f64,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Vec3;
 
-/// Glaucoma; a patient without it has no such component, and no pass, key or texture of it.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub struct Glaucoma {
-    /// Hodapp–Parrish–Anderson stage.
-    pub stage: GlaucomaStage,
-}
+    fn eye(laterality: Laterality, angle_alpha_deg: [f64; 2]) -> Eye {
+        Eye {
+            laterality,
+            scleral_radius_mm: 11.5,
+            angle_alpha_deg,
+        }
+    }
 
-impl PatientFile {
-    /// The components of this patient, at rest: looking straight ahead, lids open.
-    pub fn components(
-        &self,
-    ) -> (
-        Eye,
-        Cornea,
-        Iris,
-        Pupil,
-        Lens,
-        Sclera,
-        Eyelids,
-        GazeController,
-        SharpnessField,
-    ) {
-        let pigment = self.iris_color.pigment();
-        (
-            Eye {
-                laterality: self.eye,
-                age_years: self.age_years,
-                scleral_radius_mm: self.scleral_radius_mm,
-            },
-            Cornea {
-                anterior_radius_mm: self.cornea_radius_mm,
-                anterior_p: self.cornea_p,
-                posterior_radius_mm: self.cornea_posterior_radius_mm,
-                posterior_p: self.cornea_posterior_p,
-                thickness_mm: self.cornea_thickness_mm,
-                index: 1.376,
-                aqueous_index: 1.336,
-                limbus_radius_mm: self.limbus_radius_mm,
-                lipid_thickness_nm: self.lipid_thickness_nm,
-            },
-            Iris {
-                depth_mm: self.iris_depth_mm,
-                root_radius_mm: self.limbus_radius_mm + 0.2,
-                stroma_melanin_fraction: self.stroma_melanin_fraction.unwrap_or(pigment.0),
-                border_layer_melanin_fraction: self
-                    .border_layer_melanin_fraction
-                    .unwrap_or(pigment.1),
-                eumelanin_ratio: self.eumelanin_ratio.unwrap_or(pigment.2),
-                seed: self.seed,
-            },
-            Pupil {
-                diameter_mm: self.pupil.diameter_mm().unwrap_or(4.0),
-                decentration_mm: self.pupil_decentration_mm,
-            },
-            Lens {
-                accommodation_d: 0.0,
-                amplitude_d: self.amplitude_d(),
-                spherical_equivalent_d: self.spherical_equivalent_d(),
-            },
-            Sclera {
-                redness: self.redness,
-                seed: self.seed ^ 0x5c1e_4a00,
-            },
-            Eyelids {
-                aperture: 1.0,
-                blinking: false,
-                blink_epoch: 0,
-                skin_tone: self.skin_tone,
-            },
-            GazeController {
-                fixation_distance_m: f64::INFINITY,
-                ..GazeController::default()
-            },
-            SharpnessField {
-                starve_rate_per_s: self.starve_rate_per_s,
-                voxel_m: self.voxel_mm * 1e-3,
-                blur_cap_rad: self.blur_cap_arcmin.to_radians() / 60.0,
-            },
-        )
+    #[test]
+    fn gaze_turns_the_globe_the_right_way() {
+        let gaze = Gaze {
+            azimuth_rad: 0.3,
+            elevation_rad: 0.2,
+            torsion_rad: 0.0,
+        };
+        let forward = gaze.globe_rotation(&eye(Laterality::OD, [0.0; 2])) * Vec3::NEG_Z;
+        // f32 rotation of a unit vector.
+        assert!((forward.as_dvec3() - gaze.direction()).length() < 1e-6);
+        let torted = Gaze {
+            torsion_rad: 0.1,
+            ..Gaze::default()
+        };
+        // Positive torsion: the top of the eye goes to the patient's right (+x).
+        assert!((torted.rotation() * Vec3::Y).x > 0.05);
+    }
+
+    #[test]
+    fn the_optical_axis_points_outwards_and_down() {
+        for laterality in Laterality::BOTH {
+            let eye = eye(laterality, [5.0, 2.0]);
+            let axis = Gaze::default().globe_rotation(&eye) * Vec3::NEG_Z;
+            let outwards = axis.x * laterality.temporal_sign() as f32;
+            // Fick's angles of the axis are the two angles themselves.
+            assert!((outwards.atan2(-axis.z).to_degrees() - 5.0).abs() < 1e-4);
+            assert!((axis.y.asin().to_degrees() + 2.0).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn irises_of_one_person_differ() {
+        let patient = Patient::default();
+        let [right, left] = Laterality::BOTH.map(|eye| patient.iris_seed(eye));
+        assert_ne!(right, left);
+        assert_ne!(patient.vessel_seed(Laterality::OD), right);
     }
 }

@@ -4,8 +4,9 @@ mod placement;
 mod sentences;
 mod window;
 
-use super::Session;
-use crate::anatomy::{IrisColor, Laterality, PRESETS, PatientFile, load_patient};
+use crate::stage::Session;
+use crate::anatomy::{IrisColor, Laterality};
+use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::appearance::EyeOrbit;
 use crate::lab::files::{WriteError, prepare_folder, write_whole};
 use crate::lab::measure::{MeasureTable, MeasuredEye, measure};
@@ -474,13 +475,18 @@ fn prepare_file(file: &Path) -> Result<(), WriteError> {
     prepare_folder(folder).map_err(|error| refused(error.reason))
 }
 
-/// What of a patient is measured.
+/// Entrance pupil of a patient whose pupil light alone would set, mm.
+const USUAL_PUPIL_MM: f64 = 4.0;
+
+/// What of a patient is measured: of her leading eye.
 fn measured_eye(patient: &PatientFile) -> MeasuredEye {
-    let (eye, cornea, iris, pupil, ..) = patient.components();
+    let (eye, cornea, iris, ..) = patient.eye_components(patient.eye);
+    let entrance_mm = patient.pupil.diameter_mm().unwrap_or(USUAL_PUPIL_MM);
+    let pigment = iris.pigment();
     MeasuredEye {
         name: patient.name.clone(),
         right_eye: eye.laterality == Laterality::OD,
-        age_years: eye.age_years,
+        age_years: patient.age_years,
         anterior_radius_mm: cornea.anterior_radius_mm,
         anterior_shape_factor: cornea.anterior_p,
         posterior_radius_mm: cornea.posterior_radius_mm,
@@ -490,12 +496,12 @@ fn measured_eye(patient: &PatientFile) -> MeasuredEye {
         aqueous_index: cornea.aqueous_index,
         limbus_radius_mm: cornea.limbus_radius_mm,
         iris_depth_mm: iris.depth_mm,
-        pupil_diameter_mm: pupil.diameter_mm,
-        pupil_nasal_mm: pupil.decentration_mm[0],
-        pupil_superior_mm: pupil.decentration_mm[1],
-        stroma_melanin_fraction: iris.stroma_melanin_fraction,
-        border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
-        eumelanin_ratio: iris.eumelanin_ratio,
+        pupil_diameter_mm: entrance_mm / cornea.pupil_magnification(iris.depth_mm),
+        pupil_nasal_mm: iris.pupil_decentration_mm[0],
+        pupil_superior_mm: iris.pupil_decentration_mm[1],
+        stroma_melanin_fraction: pigment.stroma_melanin_fraction,
+        border_layer_melanin_fraction: pigment.border_layer_melanin_fraction,
+        eumelanin_ratio: pigment.eumelanin_ratio,
         // The pigmentation factors of CIE 135/1-1999.
         glare_pigment: match patient.iris_color {
             IrisColor::Brown => 0.5,

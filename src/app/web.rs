@@ -1,11 +1,12 @@
 //! The app in a browser: what the page's link asks for, and what the page is told.
 
-use super::link::LinkState;
-use super::{Session, SimulationClock, host, windowed};
-use crate::appearance::EyeOrbit;
-use crate::motion::Motion;
+use super::windowed;
+use crate::frame::SimulationClock;
+use crate::patients::DressedPatient;
 use crate::scene::catalog::LoadedScene;
-use crate::ui::{UiState, session_of};
+use crate::stage::{Stage, StageView};
+use crate::ui::link_state::LinkState;
+use crate::ui::{UiState, host, session_of};
 use bevy::prelude::*;
 use wasm_bindgen::JsValue;
 
@@ -35,17 +36,19 @@ fn tell(name: &str, value: &JsValue) {
 /// Four times a second the page learns where things are and how they move.
 fn tell_page(
     clock: Res<SimulationClock>,
-    session: Res<Session>,
-    orbit: Res<EyeOrbit>,
-    motion: Option<Res<Motion>>,
+    stage: Res<Stage>,
+    view: StageView,
+    dressed: DressedPatient,
     ui: Res<UiState>,
-    readiness: Res<crate::readiness::Readiness>,
+    readiness: Res<crate::frame::readiness::Readiness>,
     time: Res<Time<Real>>,
     mut last_s: Local<f64>,
     mut announced: Local<bool>,
     mut live_frames: Local<u32>,
 ) {
-    let Some(motion) = motion else { return };
+    let (Some(controller), Some(patient)) = (view.controller(), dressed.file(stage.patient)) else {
+        return;
+    };
     if let Some(error) = readiness.errors().first() {
         tell("oculariumError", &JsValue::from_str(error));
     }
@@ -68,18 +71,18 @@ fn tell_page(
         .map(|(name, place)| ((*name).to_owned(), in_page(*place)))
         .collect();
     // Distance of a photograph's middle, and its height.
-    let photograph = match &*session.scene {
+    let photograph = match &*stage.scene {
         LoadedScene::Photo(photo) => {
             let middle_m = photo.depth_at_m(photo.width / 2, photo.height / 2);
             serde_json::json!([middle_m, photo.vertical_fov_deg])
         }
         LoadedScene::Model(_) => serde_json::Value::Null,
     };
-    let model_width_m = match &*session.scene {
+    let model_width_m = match &*stage.scene {
         LoadedScene::Model(model) => model.bounds().map(|(low, high)| high[0] - low[0]),
         LoadedScene::Photo(_) => None,
     };
-    let state = &motion.state;
+    let (state, orbit) = (controller.state(), view.orbit());
     let message = serde_json::json!({
         "time_s": clock.time_s,
         "paused": clock.paused,
@@ -89,12 +92,12 @@ fn tell_page(
         "accommodation_d": state.accommodation_d,
         "lid_aperture": state.lid_aperture,
         "fixations": state.fixation_index,
-        "patient": session.patient.name,
-        "sphere_d": session.patient.sphere_d,
-        "scene": session.scene.name(),
+        "patient": patient.name,
+        "sphere_d": patient.sphere_d,
+        "scene": stage.scene.name(),
         "photograph": photograph,
         "model_width_m": model_width_m,
-        "seed": session.seed.to_string(),
+        "seed": controller.seed().to_string(),
         "speed": clock.speed,
         "orbit": [orbit.azimuth_deg, orbit.elevation_deg, orbit.distance_mm],
         "message": ui.message,

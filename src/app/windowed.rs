@@ -2,10 +2,12 @@
 
 mod lost;
 
-use super::link::LinkState;
-use super::{FramePlugin, Session, add_ocularium};
+use crate::OculariumPlugins;
+use crate::frame::device_settings;
+use crate::stage::{Session, StagePlugin};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::ui::UiState;
+use crate::ui::link_state::LinkState;
 use crate::ui::{StartState, UiPlugin};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -68,7 +70,7 @@ pub fn windowed_app(session: Session, start: LinkState) -> App {
                 ..default()
             })
             .set(RenderPlugin {
-                render_creation: super::device_settings().into(),
+                render_creation: device_settings().into(),
                 ..default()
             }),
     )
@@ -76,14 +78,14 @@ pub fn windowed_app(session: Session, start: LinkState) -> App {
     app.world_mut()
         .resource_mut::<EguiGlobalSettings>()
         .auto_create_primary_context = false;
-    add_ocularium(
-        &mut app,
-        FramePlugin {
+    app.add_plugins((
+        OculariumPlugins,
+        StagePlugin {
             session,
             sizes: [UVec2::new(512, 620); 2],
             shown: [true; 2],
         },
-    );
+    ));
     #[cfg(target_arch = "wasm32")]
     app.insert_resource(bevy::light::DirectionalLightShadowMap { size: 1024 });
     app.insert_resource(ClearColor(Color::linear_rgb(0.003, 0.003, 0.0035)))

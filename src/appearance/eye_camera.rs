@@ -1,8 +1,9 @@
 //! The camera that looks at the eye, and when it draws.
 
-use crate::app::Panels;
-use crate::ledger::WorkLedger;
-use crate::readiness::Readiness;
+use super::model::{EyeParts, METRES_A_MM};
+use crate::frame::Panel;
+use crate::frame::ledger::WorkLedger;
+use crate::frame::readiness::Readiness;
 use bevy::camera::{ClearColorConfig, RenderTarget, visibility::RenderLayers};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
@@ -11,9 +12,6 @@ use bevy::render::RenderApp;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::extract_component::{ExtractComponent, ExtractComponentPlugin};
 use bevy::render::renderer::ViewQuery;
-
-/// Layer of everything that belongs to the eye.
-pub const EYE_LAYER: usize = 30;
 
 /// Half of the field that the camera shows across its smaller side, rad.
 const HALF_FIELD: f32 = 12.5 * std::f32::consts::PI / 180.0;
@@ -28,8 +26,8 @@ fn vertical_field(aspect: f32) -> f32 {
     2.0 * (HALF_FIELD.tan() * share).atan()
 }
 
-/// How finely the eye is drawn.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+/// How finely an eye camera draws.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EyeQuality {
     /// Samples a pixel. Software rasterisers take three times as long for four.
     pub msaa: Msaa,
@@ -43,12 +41,14 @@ impl Default for EyeQuality {
     }
 }
 
-/// Marks the camera that looks at the eye.
+/// A camera that looks at an eye in the world, this [`super::EyeModel`], into its own [`Panel`]. It draws
+/// only when the picture has changed.
 #[derive(Component, Clone, Copy, Debug, ExtractComponent)]
-pub struct EyeCamera;
+#[require(EyeOrbit, EyeQuality, Drawn)]
+pub struct EyeCamera(pub Entity);
 
-/// Where the camera stands: on a sphere about the eye.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+/// Where an eye camera stands: on a sphere about the eye.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct EyeOrbit {
     /// To the patient's right, degrees, −85 to 85.
     pub azimuth_deg: f32,
@@ -79,6 +79,7 @@ impl EyeOrbit {
         }
     }
 
+    /// Where the camera stands in the space of the eye, m.
     fn transform(self) -> Transform {
         let (azimuth, elevation) = (
             self.azimuth_deg.to_radians(),
@@ -89,16 +90,16 @@ impl EyeOrbit {
             elevation.sin(),
             -azimuth.cos() * elevation.cos(),
         );
-        let target = Vec3::new(0.0, 0.0, -10.5);
-        Transform::from_translation(target + direction * (self.distance_mm + 2.0))
-            .looking_at(target, Vec3::Y)
+        let target = Vec3::new(0.0, 0.0, -10.5) * METRES_A_MM;
+        let distance_m = (self.distance_mm + 2.0) * METRES_A_MM;
+        Transform::from_translation(target + direction * distance_m).looking_at(target, Vec3::Y)
     }
 }
 
-/// The camera and all that it needs to draw into the eye's panel.
-pub fn camera_bundle(panels: &Panels) -> impl Bundle {
+/// A camera that looks at this eye, with all that it needs to draw into its panel.
+pub fn eye_camera(model: Entity, panel: Panel, layers: RenderLayers) -> impl Bundle {
     (
-        EyeCamera,
+        EyeCamera(model),
         Camera3d::default(),
         Camera {
             order: -2,
@@ -106,23 +107,29 @@ pub fn camera_bundle(panels: &Panels) -> impl Bundle {
             clear_color: ClearColorConfig::Custom(Color::linear_rgb(0.030, 0.027, 0.026)),
             ..default()
         },
-        RenderTarget::Image(panels.eye.image.clone().into()),
+        RenderTarget::Image(panel.image.clone().into()),
+        panel,
         Msaa::Sample4,
         Tonemapping::None,
-        RenderLayers::layer(EYE_LAYER),
+        layers,
     )
 }
 
-/// Puts the camera where the orbit says, with a field that fits the panel's shape.
-pub fn aim_camera(
-    orbit: Res<EyeOrbit>,
-    panels: Res<Panels>,
-    mut camera: Query<(&mut Transform, &mut Projection), With<EyeCamera>>,
+/// Puts the cameras where their orbits say, with fields that fit their panels' shapes.
+pub fn aim_cameras(
+    mut cameras: Query<(
+        &EyeCamera,
+        &EyeOrbit,
+        &Panel,
+        &mut Transform,
+        &mut Projection,
+    )>,
+    models: Query<&Transform, Without<EyeCamera>>,
 ) {
-    for (mut transform, mut projection) in &mut camera {
-        let aspect = panels.eye.size.x as f32 / panels.eye.size.y as f32;
-        let fov = vertical_field(aspect);
-        transform.set_if_neq(orbit.clamped().transform());
+    for (camera, orbit, panel, mut transform, mut projection) in &mut cameras {
+        let model = models.get(camera.0).copied().unwrap_or_default();
+        transform.set_if_neq(model * orbit.clamped().transform());
+        let fov = vertical_field(panel.size.x as f32 / panel.size.y as f32);
         let current = match &*projection {
             Projection::Perspective(perspective) => perspective.fov,
             _ => 0.0,
@@ -130,70 +137,83 @@ pub fn aim_camera(
         if current != fov {
             *projection = Projection::Perspective(PerspectiveProjection {
                 fov,
-                near: 5.0,
-                far: 2000.0,
+                near: 5.0 * METRES_A_MM,
+                far: 2000.0 * METRES_A_MM,
                 ..default()
             });
         }
     }
 }
 
-/// What the last drawn frame showed; a frame that would show the same is not drawn.
-#[derive(Default)]
+/// What a camera's last drawn frame showed; a frame that would show the same is not drawn.
+#[derive(Component, Default)]
 pub struct Drawn {
     orbit: Option<EyeOrbit>,
     size: UVec2,
-    version: u64,
     msaa: Option<Msaa>,
+    /// The eye has changed since.
+    is_stale: bool,
     settled: bool,
     unsettled_frames: u32,
     /// What was drawn when all of it was there: which building of the eye, how smoothly.
     whole: Option<(u64, Msaa)>,
 }
 
-/// Wakes the camera in frames in which something changed.
-pub fn wake_camera(
-    parts: Res<super::EyeParts>,
-    orbit: Res<EyeOrbit>,
-    panels: Res<Panels>,
+/// What of a camera decides whether it draws.
+type Drawing<'a> = (
+    &'a EyeCamera,
+    &'a EyeOrbit,
+    &'a EyeQuality,
+    &'a Panel,
+    &'a mut Drawn,
+    &'a mut Camera,
+    &'a mut Msaa,
+);
+
+/// Wakes the cameras in frames in which something changed.
+pub fn wake_cameras(
+    models: Query<Ref<EyeParts>>,
     readiness: Res<Readiness>,
-    quality: Res<EyeQuality>,
-    mut drawn: Local<Drawn>,
-    mut camera: Query<(&mut Camera, &mut Msaa), With<EyeCamera>>,
+    mut cameras: Query<Drawing>,
 ) {
     // Until every pipeline exists and every texture has arrived, a frame is drawn to ask for them
     // and one when they are there; those between would show nothing.
     let settled = readiness.quiet_frames() >= 3;
-    drawn.unsettled_frames = if settled {
-        0
-    } else {
-        drawn.unsettled_frames + 1
-    };
-    let changed = drawn.orbit != Some(*orbit)
-        || drawn.size != panels.eye.size
-        || drawn.version != parts.version
-        || drawn.msaa != Some(quality.msaa)
-        || (settled && !drawn.settled);
-    // What others wait for, such as the view for a window's new size, is not the eye's to wait for.
-    let this = Some((parts.built, quality.msaa));
-    let may = settled || drawn.unsettled_frames <= 2 || drawn.whole == this;
-    let awake = panels.eye.visible && changed && may;
-    for (mut camera, mut msaa) in &mut camera {
+    for (eye, orbit, quality, panel, mut drawn, mut camera, mut msaa) in &mut cameras {
+        let drawn = &mut *drawn;
+        let Ok(parts) = models.get(eye.0) else {
+            continue;
+        };
+        drawn.is_stale |= parts.is_changed();
+        drawn.unsettled_frames = if settled {
+            0
+        } else {
+            drawn.unsettled_frames + 1
+        };
+        let changed = drawn.orbit != Some(*orbit)
+            || drawn.size != panel.size
+            || drawn.is_stale
+            || drawn.msaa != Some(quality.msaa)
+            || (settled && !drawn.settled);
+        // What others wait for, such as the view for a window's new size, is not the eye's to wait for.
+        let this = Some((parts.built(), quality.msaa));
+        let may = settled || drawn.unsettled_frames <= 2 || drawn.whole == this;
+        let awake = panel.visible && changed && may;
         msaa.set_if_neq(quality.msaa);
         if camera.is_active != awake {
             camera.is_active = awake;
         }
-    }
-    if awake {
-        *drawn = Drawn {
-            orbit: Some(*orbit),
-            size: panels.eye.size,
-            version: parts.version,
-            msaa: Some(quality.msaa),
-            settled,
-            unsettled_frames: drawn.unsettled_frames,
-            whole: if settled { this } else { drawn.whole },
-        };
+        if awake {
+            *drawn = Drawn {
+                orbit: Some(*orbit),
+                size: panel.size,
+                msaa: Some(quality.msaa),
+                is_stale: false,
+                settled,
+                unsettled_frames: drawn.unsettled_frames,
+                whole: if settled { this } else { drawn.whole },
+            };
+        }
     }
 }
 

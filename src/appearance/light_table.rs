@@ -4,7 +4,7 @@
 //! table for the shader, made anew when the eye has turned: at each texel the refraction function
 //! (François et al. 2007, section 5.1) gives the entry point, one Newton step on Snell's law polishes
 //! it, and the caustic's Jacobian is taken exactly in f64. Of the measured front of error against
-//! time ([`crate::lab`]'s bench) that is the cheapest way to rounding error, and the picture pays for
+//! time (`ocularium bench`) that is the cheapest way to rounding error, and the picture pays for
 //! two look-ups where it would pay for Newton's method twice a pixel.
 
 use super::images::MapView;

@@ -5,22 +5,21 @@
 //! [`SkinMaterial`], [`HairMaterial`], [`MeniscusMaterial`]), which any Bevy
 //! app can put on the meshes of this folder.
 
-use crate::shaders;
+use crate::frame::shaders;
 use bevy::asset::{Asset, Handle};
 use bevy::image::Image;
 use bevy::math::{Mat4, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
-use bevy::prelude::{AlphaMode, Resource};
+use bevy::prelude::AlphaMode;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::{
-    AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
+    AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureFormat,
 };
 use bevy::shader::ShaderRef;
 
-/// The studio that lights the eye (struct `Studio` of `shaders/lib/studio.wgsl`): as a resource, the
-/// lights of the eye on screen.
-#[derive(Resource, Clone, Copy, Debug, ShaderType)]
+/// The studio that lights an eye (struct `Studio` of `shaders/lib/studio.wgsl`).
+#[derive(Clone, Copy, Debug, PartialEq, ShaderType)]
 pub struct Studio {
     /// Direction towards the window, head frame; w: its angular half-width, rad.
     pub key_direction: Vec4,
@@ -30,9 +29,11 @@ pub struct Studio {
     pub fill_direction: Vec4,
     /// Its irradiance / π.
     pub fill_color: Vec4,
-    /// Radiance of the surroundings above.
+    /// Radiance of the surroundings above; w: 1 where the key light is a four-paned window, 0 where it
+    /// is a round lamp.
     pub ambient_up: Vec4,
-    /// Radiance of the surroundings below.
+    /// Radiance of the surroundings below; w: 1 where all of this is in cd/m² and the camera's exposure
+    /// is still to come, 0 where the picture's own is all.
     pub ambient_down: Vec4,
 }
 
@@ -48,7 +49,7 @@ impl Default for Studio {
                 .normalize()
                 .extend(0.07),
             fill_color: Vec4::new(0.10, 0.088, 0.08, 0.0),
-            ambient_up: Vec4::new(0.24, 0.245, 0.26, 0.0),
+            ambient_up: Vec4::new(0.24, 0.245, 0.26, 1.0),
             ambient_down: Vec4::new(0.15, 0.135, 0.125, 0.0),
         }
     }
@@ -247,8 +248,12 @@ macro_rules! eye_material {
                 key: MaterialPipelineKey<Self>,
             ) -> Result<(), SpecializedMeshPipelineError> {
                 let define: fn(MaterialPipelineKey<Self>) -> Option<&'static str> = $define;
-                if let (Some(name), Some(fragment)) = (define(key), &mut descriptor.fragment) {
-                    fragment.shader_defs.push(name.into());
+                // A camera of high dynamic range is given radiance, and has its own way to the screen.
+                let radiance = (key.mesh_key.target_format() == TextureFormat::Rgba16Float)
+                    .then_some("RADIANCE");
+                if let Some(fragment) = &mut descriptor.fragment {
+                    let defines = define(key).into_iter().chain(radiance);
+                    fragment.shader_defs.extend(defines.map(Into::into));
                 }
                 vertex_layout(descriptor, layout)
             }

@@ -1,13 +1,13 @@
 //! The eye seen from outside.
 //!
-//! Enters: the patient's components ([`crate::anatomy`]). Leaves: a globe, lids,
-//! lashes and tears as meshes with materials of their own, lit by a studio, and
-//! a camera that circles them and draws into the eye's panel. Refraction and
-//! iris follow François et al. 2007; the lids follow the targets of the CC0 face
-//! in `assets/face`.
+//! Enters: an [`EyeModel`] in the world, and the components of the eye that it shows
+//! ([`crate::anatomy`]). Leaves: globe, lids, lashes and tears as meshes with materials of their own,
+//! lit by the world's lights or by a studio, and cameras that circle an eye and draw into a panel.
+//! Refraction and iris follow François et al. 2007; the lids follow the targets of the CC0 face in
+//! `assets/face`.
 //!
-//! What did not change is not drawn: the camera is awake only in frames in
-//! which pose, patient, size or viewpoint differ from what was last drawn.
+//! What did not change is not drawn: an eye camera is awake only in frames in which pose, patient,
+//! size or viewpoint differ from what was last drawn.
 
 pub mod brow;
 pub mod canthus;
@@ -25,23 +25,24 @@ pub mod light_table;
 pub mod lighting;
 pub mod materials;
 mod mesh_fill;
+pub mod model;
 pub mod noise;
-pub mod parts;
+pub mod pose;
 pub mod sclera_map;
 pub mod shading;
 pub mod skin_map;
 pub mod subdivide;
 mod tissue_maps;
 
-pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality};
+pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, eye_camera};
 pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, Studio};
-pub use parts::EyeParts;
+pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts};
 
-use crate::app::{EyeSystems, Panels};
+use crate::frame::EyeSystems;
 use bevy::pbr::MaterialPlugin;
 use bevy::prelude::*;
 
-/// The eye as meshes, materials and a camera.
+/// Eyes as meshes, materials and cameras.
 pub struct AppearancePlugin;
 
 impl Plugin for AppearancePlugin {
@@ -52,23 +53,21 @@ impl Plugin for AppearancePlugin {
             MaterialPlugin::<HairMaterial>::default(),
             MaterialPlugin::<MeniscusMaterial>::default(),
         ))
-        .init_resource::<EyeOrbit>()
-        .init_resource::<EyeQuality>()
-        .init_resource::<EyeParts>()
-        .init_resource::<Studio>()
+        .register_type::<EyeModel>()
+        .register_type::<EyeDetail>()
+        .init_resource::<model::FaceRegion>()
         .add_systems(
             Update,
             (
-                parts::build_eye,
-                lighting::light_eye,
-                parts::move_eye,
-                parts::move_lids,
-                eye_camera::aim_camera,
-                eye_camera::wake_camera,
+                lighting::light_eyes,
+                model::build_eyes,
+                pose::move_eyes,
+                pose::move_lids,
+                eye_camera::aim_cameras,
+                eye_camera::wake_cameras,
             )
                 .chain()
-                .in_set(EyeSystems::Show)
-                .run_if(resource_exists::<Panels>),
+                .in_set(EyeSystems::Show),
         );
         eye_camera::build_render(app);
     }

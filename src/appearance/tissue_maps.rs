@@ -4,9 +4,9 @@ use super::images::{map_image, mip_chain};
 use super::iris_map::{IrisMap, IrisMapSettings};
 use super::light_table::{LAMPS, LightTableSettings};
 use super::materials::{GlobeUniform, LidHeights, Studio};
-use super::parts::side;
+use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
-use crate::anatomy::{Cornea, Eye, Iris, Sclera};
+use crate::anatomy::{Cornea, Iris};
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
 use bevy::image::Image;
@@ -24,9 +24,10 @@ pub(super) fn skin_albedo(tone: f64) -> Vec3 {
         middle.lerp(dark, tone * 2.0 - 1.0)
     }
 }
-pub(super) fn iris_image(iris: &Iris, fine: bool) -> Image {
+pub(super) fn iris_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
+    let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
     let map = IrisMap::new(
-        &iris_settings(iris),
+        &iris_settings(anatomy.iris, seed),
         if fine { 2048 } else { 1024 },
         if fine { 512 } else { 256 },
     );
@@ -37,17 +38,17 @@ fn fold(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
 }
 /// The border layer covers the stroma of a dark iris and leaves that of a light one bare.
-fn iris_settings(iris: &Iris) -> IrisMapSettings {
+fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     let (light, dark) = (
         IrisPigment::BLUE.border_layer_melanin_fraction,
         IrisPigment::BROWN.border_layer_melanin_fraction,
     );
-    let share = (iris.border_layer_melanin_fraction - light) / (dark - light);
+    let share = (iris.pigment().border_layer_melanin_fraction - light) / (dark - light);
     let share = share.clamp(0.0, 1.0) as f32;
     // A little pigment gathers about the collarette first: hazel and green eyes.
     let ring = 4.0 * share * (1.0 - share);
     IrisMapSettings {
-        seed: fold(iris.seed),
+        seed: fold(seed),
         border_layer_cover: 0.15 + 0.6 * share,
         central_heterochromia: 0.3 + 0.5 * ring,
         crypt_density: 0.5 - 0.15 * share,
@@ -75,12 +76,13 @@ pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings
         lamps: [DVec3::NEG_Z; LAMPS],
     }
 }
-pub(super) fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
+pub(super) fn sclera_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
+    let eye = anatomy.eye;
     let map = ScleraMap::new(
         &ScleraMapSettings {
-            seed: fold(sclera.seed),
-            age_years: eye.age_years as f32,
-            redness: sclera.redness as f32,
+            seed: fold(anatomy.patient.vessel_seed(eye.laterality)),
+            age_years: anatomy.patient.age_years as f32,
+            redness: anatomy.sclera.redness as f32,
             nasal_sign: -side(eye.laterality),
         },
         if fine { 1024 } else { 512 },
@@ -89,11 +91,7 @@ pub(super) fn sclera_image(eye: &Eye, sclera: &Sclera, fine: bool) -> Image {
 }
 pub(super) fn reflectance_image(iris: &Iris) -> Image {
     let table = IrisReflectanceTable::many_flux(
-        &IrisPigment {
-            stroma_melanin_fraction: iris.stroma_melanin_fraction,
-            border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
-            eumelanin_ratio: iris.eumelanin_ratio,
-        },
+        &iris.pigment(),
         IRIS_TABLE[0],
         IRIS_TABLE[1],
     );
@@ -108,12 +106,17 @@ pub(super) fn reflectance_image(iris: &Iris) -> Image {
     )
 }
 pub(super) fn static_uniform(
-    eye: &Eye,
-    cornea: &Cornea,
-    iris: &Iris,
+    anatomy: &Anatomy<'_>,
     shape: &GlobeShape,
     studio: Studio,
 ) -> GlobeUniform {
+    let Anatomy {
+        eye,
+        cornea,
+        iris,
+        patient,
+        ..
+    } = anatomy;
     GlobeUniform {
         studio,
         lids: LidHeights::default(),
@@ -144,7 +147,7 @@ pub(super) fn static_uniform(
         ),
         options: Vec4::new(
             // The old lens scatters: 0 at 40 years, 1 at 90.
-            ((eye.age_years - 40.0) / 50.0).clamp(0.0, 1.0) as f32,
+            ((patient.age_years - 40.0) / 50.0).clamp(0.0, 1.0) as f32,
             0.5,
             side(eye.laterality),
             1.0,

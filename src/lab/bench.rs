@@ -17,12 +17,11 @@ use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
 use super::render::median;
-use crate::anatomy::{PatientError, load_patient};
-use crate::app::Session;
+use crate::patients::{PatientError, load_patient};
 use crate::appearance::EyeQuality;
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
-use crate::percept::Percept;
+use crate::stage::Session;
 use crate::percept::gpu_data::table_slots;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneError;
@@ -139,7 +138,7 @@ fn frame_case(
     let started = Instant::now();
     let mut headless = Headless::new(session(patient, 1.0)?, [size; 2], shown)?;
     let ready_after_s = started.elapsed().as_secs_f64();
-    headless.world().insert_resource(EyeQuality { msaa });
+    headless.set_quality(EyeQuality { msaa });
     // The first frames build the pipelines of this quality and fill caches.
     time_frames(&mut headless, 0.0, 8);
     let times = time_frames(&mut headless, 1.0, count);
@@ -187,8 +186,8 @@ fn field_cases(count: usize) -> Result<Vec<FieldCase>, BenchError> {
     Ok(rooms
         .into_iter()
         .zip(running)
-        .map(|((room, volume_factor), (mut headless, mut times))| {
-            let voxels = headless.world().resource::<Percept>().captured().occupied;
+        .map(|((room, volume_factor), (headless, mut times))| {
+            let voxels = headless.percept().captured().occupied;
             let table_bytes = u64::from(table_slots(0, size.x * size.y)) * 12;
             FieldCase {
                 room,

@@ -1,14 +1,15 @@
 //! The app without a window: the same plugins, a clock that is set, panels that are read back.
 
-use crate::app::picture::from_padded_rows;
-use crate::app::{
-    Drive, FramePlugin, Panels, Session, SessionCommand, SimulationClock, add_ocularium,
-    device_settings,
-};
-use crate::ledger::{Work, WorkLedger};
-use crate::motion::Motion;
+use crate::frame::picture::from_padded_rows;
+use crate::OculariumPlugins;
+use crate::appearance::{EyeOrbit, EyeQuality};
+use crate::frame::{Drive, Panel, SimulationClock, device_settings};
+use crate::frame::ledger::{Work, WorkLedger};
+use crate::motion::GazeController;
 use crate::motion::engine::OculomotorState;
-use crate::readiness::Readiness;
+use crate::frame::readiness::Readiness;
+use crate::percept::{Percept, ViewOptions};
+use crate::stage::{Session, SessionCommand, Stage, StagePlugin};
 use bevy::app::TerminalCtrlCHandlerPlugin;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -104,14 +105,14 @@ impl Headless {
                     ..default()
                 }),
         );
-        add_ocularium(
-            &mut app,
-            FramePlugin {
+        app.add_plugins((
+            OculariumPlugins,
+            StagePlugin {
                 session,
                 sizes,
                 shown,
             },
-        );
+        ));
         app.insert_resource(SimulationClock {
             drive: Drive::Manual(0.0),
             ..default()
@@ -148,9 +149,9 @@ impl Headless {
 
     /// Pixels of the panels that are shown.
     fn pixels(&self) -> u32 {
-        let panels = self.app.world().resource::<Panels>();
-        [&panels.eye, &panels.view]
+        [Which::Eye, Which::View]
             .into_iter()
+            .filter_map(|which| self.on_camera::<Panel>(which))
             .filter(|panel| panel.visible)
             .map(|panel| panel.size.element_product())
             .sum()
@@ -178,6 +179,109 @@ impl Headless {
         self.poll();
     }
 
+    /// Who and what is on the stage.
+    pub fn stage(&self) -> Stage {
+        self.app.world().resource::<Stage>().clone()
+    }
+
+    fn camera(&self, which: Which) -> Entity {
+        let stage = self.app.world().resource::<Stage>();
+        match which {
+            Which::Eye => stage.eye,
+            Which::View => stage.view,
+        }
+    }
+
+    fn on_camera<C: Component>(&self, which: Which) -> Option<&C> {
+        self.app.world().get::<C>(self.camera(which))
+    }
+
+    /// What moves the patient's eyes.
+    pub fn controller(&self) -> &GazeController {
+        let patient = self.app.world().resource::<Stage>().patient;
+        self.app
+            .world()
+            .get(patient)
+            .expect("the stage's patient moves")
+    }
+
+    /// What moves the patient's eyes, to be told something.
+    pub fn controller_mut(&mut self) -> Mut<'_, GazeController> {
+        let patient = self.app.world().resource::<Stage>().patient;
+        self.app
+            .world_mut()
+            .get_mut(patient)
+            .expect("the stage's patient moves")
+    }
+
+    /// The state of the view.
+    pub fn percept(&self) -> &Percept {
+        self.on_camera(Which::View).expect("the view is worn")
+    }
+
+    /// Shows or hides the panels (eye, view).
+    pub fn show(&mut self, shown: [bool; 2]) {
+        for (which, visible) in [Which::Eye, Which::View].into_iter().zip(shown) {
+            let camera = self.camera(which);
+            if let Some(mut panel) = self.app.world_mut().get_mut::<Panel>(camera) {
+                panel.visible = visible;
+            }
+        }
+    }
+
+    /// Is this panel shown?
+    pub fn is_shown(&self, which: Which) -> bool {
+        self.on_camera::<Panel>(which)
+            .is_some_and(|panel| panel.visible)
+    }
+
+    /// Size of a panel, pixels.
+    pub fn size(&self, which: Which) -> UVec2 {
+        self.on_camera::<Panel>(which)
+            .map_or(UVec2::ZERO, |panel| panel.size)
+    }
+
+    /// Gives a panel another size; says whether that changed anything.
+    pub fn resize(&mut self, which: Which, size: UVec2) -> bool {
+        let camera = self.camera(which);
+        self.app
+            .world_mut()
+            .resource_scope(|world, mut images: Mut<Assets<Image>>| {
+                world
+                    .get_mut::<Panel>(camera)
+                    .is_some_and(|mut panel| panel.resize(&mut images, size))
+            })
+    }
+
+    fn put<C: Component>(&mut self, which: Which, component: C) {
+        let camera = self.camera(which);
+        self.app.world_mut().entity_mut(camera).insert(component);
+    }
+
+    /// Puts the camera before the eye somewhere.
+    pub fn set_orbit(&mut self, orbit: EyeOrbit) {
+        self.put(Which::Eye, orbit);
+    }
+
+    /// Draws the eye this finely.
+    pub fn set_quality(&mut self, quality: EyeQuality) {
+        self.put(Which::Eye, quality);
+    }
+
+    /// Changes what is chosen about the view, but for its exposure, which is the scene's.
+    pub fn set_options(&mut self, options: ViewOptions) {
+        let exposure = self
+            .on_camera::<ViewOptions>(Which::View)
+            .map_or(options.exposure, |now| now.exposure);
+        self.put(
+            Which::View,
+            ViewOptions {
+                exposure,
+                ..options
+            },
+        );
+    }
+
     /// Sends a command to the session.
     pub fn command(&mut self, command: SessionCommand) {
         self.app.world_mut().write_message(command);
@@ -195,7 +299,7 @@ impl Headless {
 
     /// The eye's state in the frame that was drawn last.
     pub fn state(&self) -> OculomotorState {
-        self.app.world().resource::<Motion>().state
+        *self.controller().state()
     }
 
     /// The work done so far.
@@ -214,12 +318,8 @@ impl Headless {
 
     /// The picture of a panel as it is now, sRGB-encoded.
     pub fn panel(&self, which: Which) -> Result<RgbaImage, HeadlessError> {
-        let panels = self.app.world().resource::<Panels>();
-        let panel = match which {
-            Which::Eye => &panels.eye,
-            Which::View => &panels.view,
-        };
         let missing = || HeadlessError::ReadBack("the panel has no picture yet".into());
+        let panel = self.on_camera::<Panel>(which).ok_or_else(missing)?;
         let render_world = self.app.sub_app(RenderApp).world();
         let image = render_world
             .resource::<RenderAssets<GpuImage>>()

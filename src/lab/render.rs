@@ -2,14 +2,14 @@
 
 use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError, Which};
-use crate::app::Session;
-pub use crate::app::picture::encode_png;
-use crate::app::picture::side_by_side;
+pub use crate::frame::picture::encode_png;
+use crate::frame::picture::side_by_side;
 use crate::appearance::EyeOrbit;
-use crate::ledger::Work;
+use crate::frame::ledger::Work;
 use crate::motion::trace::{TraceRow, write_trace};
 use crate::percept::places::FEWEST_CORNERS;
-use crate::percept::{Percept, ViewOptions};
+use crate::percept::ViewOptions;
+use crate::stage::Session;
 use bevy::math::UVec2;
 use image::RgbaImage;
 use serde::Serialize;
@@ -182,8 +182,8 @@ pub fn render(
     let (patient, seed) = (session.patient.name.clone(), session.seed);
     let scene = session.scene.name().to_owned();
     let mut headless = Headless::new(session, sizes, shown)?;
-    headless.world().insert_resource(request.orbit);
-    headless.world().insert_resource(request.options);
+    headless.set_orbit(request.orbit);
+    headless.set_options(request.options);
     headless.stand_still();
     let ready_after_s = started.elapsed().as_secs_f64();
 
@@ -218,7 +218,7 @@ pub fn render(
     write_whole(&request.out.join("trace.csv"), &trace)?;
 
     let state = headless.state();
-    let captured = headless.world().resource::<Percept>().captured();
+    let captured = headless.percept().captured();
     let candidates = captured.corners.len();
     if shown[1] && captured.is_empty() {
         remarks.push(nothing_in_view(&scene));

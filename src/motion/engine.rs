@@ -19,7 +19,7 @@ mod state;
 
 use super::accommodation::{Approach, steady_response_d, step_time_constant_s};
 use super::blink::Blink;
-use super::gaze::GazeAngles;
+use crate::anatomy::gaze::GazeAngles;
 use super::pupil::{
     CONSTRICTION_TIME_CONSTANT_S, Hippus, PUPIL_RANGE_MM, PupilMode, steady_diameter_mm,
     time_constant_s,
@@ -28,12 +28,12 @@ use super::random;
 use super::settings::{
     FixationTiming, MotionError, NIESSNER_LENS_TIME_CONSTANT_S, OculomotorSettings,
 };
-use crate::percept::attention::{self, Visit};
-use crate::percept::visual_field::VisualField;
+use crate::motion::attention::{self, Visit};
+use crate::anatomy::visual_field::VisualField;
 use curve::GazeCurve;
 use queue::{Event, EventQueue, Target};
 
-pub use crate::percept::attention::Candidate;
+pub use crate::motion::attention::Candidate;
 pub use commands::GazeCommand;
 pub use state::{FixationRecord, OculomotorState};
 
@@ -43,6 +43,9 @@ pub const FIXATIONS_KEPT: usize = 64;
 const BLINK_GAP_S: f64 = 0.1;
 /// A candidate this near to straight ahead sets the distance of the first gaze, rad (10°).
 const AHEAD_RAD: f64 = 0.174_533;
+/// Time constant of vergence, s: symmetric steps of 1 to 4° are done in about 0.6 s (Rashbass and
+/// Westheimer 1961).
+const VERGENCE_TIME_CONSTANT_S: f64 = 0.2;
 /// Depth of a partial blink.
 const PARTIAL_DEPTH: (f64, f64) = (0.4, 0.8);
 
@@ -81,6 +84,7 @@ pub struct Oculomotor {
     blink: Option<Blink>,
     closures: u64,
     lens: Approach,
+    vergence: Approach,
     lens_distance_m: f64,
     pupil: Approach,
     unrest_mm: Approach,
@@ -121,6 +125,7 @@ impl Oculomotor {
             blink: None,
             closures: 0,
             lens: Approach::rest(0.0),
+            vergence: Approach::rest(0.0),
             lens_distance_m: f64::INFINITY,
             pupil: Approach::rest(4.0),
             unrest_mm: Approach::rest(0.0),
@@ -183,6 +188,7 @@ impl Oculomotor {
             fixation_azimuth_rad: self.fixation.gaze.azimuth_rad,
             fixation_elevation_rad: self.fixation.gaze.elevation_rad,
             fixation_distance_m: self.fixation.distance_m,
+            vergence_per_m: self.vergence.at(t),
             fixation_index: self.fixation_index,
             accommodation_d: self.lens.at(t),
             pupil_mm: pupil_mm.clamp(PUPIL_RANGE_MM.0, PUPIL_RANGE_MM.1),
@@ -296,6 +302,10 @@ impl Oculomotor {
         };
         self.landed_s = self.time_s + flight_s;
         self.fixation = target;
+        let vergence_per_m = 1.0 / target.distance_m;
+        self.vergence = self
+            .vergence
+            .turn_to(self.time_s, vergence_per_m, VERGENCE_TIME_CONSTANT_S);
         self.fixation_index += 1;
         if let Some(last) = self.records.last_mut() {
             last.end_s = self.time_s;

@@ -7,9 +7,10 @@
 //! curve ([`saccade`], [`blink`], [`accommodation`], [`pupil`], [`gaze`]).
 
 pub mod accommodation;
+pub mod attention;
 pub mod blink;
 pub mod engine;
-pub mod gaze;
+
 pub mod plugin;
 pub mod pupil;
 pub mod random;
@@ -17,5 +18,6 @@ pub mod saccade;
 pub mod settings;
 pub mod trace;
 
-pub use engine::{Candidate, Oculomotor, OculomotorState};
-pub use plugin::{Candidates, Motion, MotionCommand, MotionPlugin, visual_field};
+pub use attention::Candidate;
+pub use engine::{Oculomotor, OculomotorState};
+pub use plugin::{Candidates, GazeController, MotionCommand, MotionPlugin};

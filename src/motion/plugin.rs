@@ -1,57 +1,151 @@
-//! The oculomotor engine as a Bevy plugin: it reads the clock and writes the patient.
+//! The oculomotor engine as a Bevy plugin: it reads the clock and moves the eyes of every person.
 
-use super::engine::{Candidate, GazeCommand, Oculomotor, OculomotorState};
-use super::settings::{OculomotorSettings, PupilMode};
+use super::attention::Candidate;
+use super::engine::{GazeCommand, Oculomotor, OculomotorState};
+use super::settings::{MotionError, OculomotorSettings, PupilMode};
 use super::trace::TraceRow;
-use crate::anatomy::{Eyelids, GazeController, Lens, PatientFile, Pupil};
-use crate::app::session::PatientMarker;
-use crate::app::{EyeSystems, Session, SimulationClock};
-use crate::percept::visual_field::VisualField;
-use crate::scene::catalog::LoadedScene;
+use crate::anatomy::gaze::GazeAngles;
+use crate::anatomy::{Accommodation, Adaptation, Cornea, Eye, EyeFinder, EyeOf, Eyelids, Eyes, Gaze, Iris, Laterality, Lens, Patient, Pupil, PupilControl, Refraction, VisualField};
+use crate::frame::{EyeSystems, SimulationClock};
+use crate::optics::accommodation::hofstetter_amplitude_d;
 use bevy::prelude::*;
 use std::collections::VecDeque;
 
-/// Seconds of trace that the window keeps for its strip.
+/// Seconds of trace that are kept for a strip.
 const STRIP_S: f64 = 12.0;
 
 /// Solid angle, in square degrees, of the field that drives the pupil: a room all around.
 const ADAPTING_FIELD_DEG2: f64 = 900.0;
 
-/// Where the eye could look in this view; set by the percept when candidates arrive.
-#[derive(Resource, Default)]
+/// Where a person could look: on her entity, written by her view when it has searched it.
+#[derive(Component, Clone, Debug, Default)]
 pub struct Candidates {
     /// The list.
     pub list: Vec<Candidate>,
     /// Distance of what lies straight ahead, m, above 0, may be infinite; 0 while unknown.
     pub ahead_distance_m: f64,
-    /// Counts new lists.
-    pub version: u64,
 }
 
-/// What the user asks of gaze and lids.
+/// What a user asks of gaze, lids and pupils; everybody in the world obeys. One person is told by the
+/// methods of her [`GazeController`].
 #[derive(Message, Clone, Debug)]
 pub enum MotionCommand {
     /// Gaze.
     Gaze(GazeCommand),
     /// Blink now.
     Blink,
-    /// Hold the pupil at this diameter, mm, or let it follow light.
+    /// Hold the entrance pupil at this diameter, mm, or let it follow light.
     Pupil(Option<f64>),
 }
 
-/// The engine that moves the patient.
-#[derive(Resource)]
-pub struct Motion {
-    /// The engine.
-    pub engine: Oculomotor,
-    /// Its state at the clock's time.
-    pub state: OculomotorState,
-    /// The last seconds of it, for the strip.
-    pub strip: VecDeque<TraceRow>,
-    /// Pupil held by the user, mm.
-    pub held_pupil_mm: Option<f64>,
-    candidates_version: u64,
-    restarts: u64,
+/// What moves a person's eyes and lids: her oculomotor engine, and what it has done.
+#[derive(Component, Clone, Debug)]
+pub struct GazeController {
+    /// The engine of the leading eye, which the other follows.
+    engine: Oculomotor,
+    state: OculomotorState,
+    strip: VecDeque<TraceRow>,
+    fresh: bool,
+}
+
+impl Default for GazeController {
+    fn default() -> Self {
+        Self::new(OculomotorSettings::default()).unwrap_or_else(|error| {
+            // The defaults are in range, as a test shows.
+            unreachable!("{error}")
+        })
+    }
+}
+
+impl GazeController {
+    /// A controller with these settings. Age, amplitude, far point and light are then kept as the
+    /// person's components say.
+    ///
+    /// # Errors
+    /// [`MotionError`] when a setting is out of range.
+    pub fn new(settings: OculomotorSettings) -> Result<Self, MotionError> {
+        let engine = Oculomotor::new(settings)?;
+        Ok(Self {
+            state: engine.state(),
+            engine,
+            strip: VecDeque::new(),
+            fresh: true,
+        })
+    }
+
+    /// A controller whose random choices come from this seed.
+    pub fn with_seed(seed: u64) -> Self {
+        let mut controller = Self::default();
+        controller.restart(seed);
+        controller
+    }
+
+    /// The engine, to be asked about the future.
+    pub fn engine(&self) -> &Oculomotor {
+        &self.engine
+    }
+
+    /// Gaze, pupil, lens and lids of the leading eye at the clock's time. The pupil is the entrance
+    /// pupil.
+    pub fn state(&self) -> &OculomotorState {
+        &self.state
+    }
+
+    /// The last seconds of it.
+    pub fn strip(&self) -> &VecDeque<TraceRow> {
+        &self.strip
+    }
+
+    /// Seed of every random choice.
+    pub fn seed(&self) -> u64 {
+        self.engine.settings().seed
+    }
+
+    /// Starts again at time 0 with this seed.
+    pub fn restart(&mut self, seed: u64) {
+        self.strip.clear();
+        self.engine.reset(seed);
+        self.fresh = true;
+    }
+
+    /// Changes how the eyes move from now on.
+    ///
+    /// # Errors
+    /// [`MotionError`] when a setting is out of range; the old ones stay.
+    pub fn set_settings(&mut self, settings: OculomotorSettings) -> Result<(), MotionError> {
+        self.engine.set_settings(settings)
+    }
+
+    /// Tells the eyes at a time (s) where to look.
+    ///
+    /// # Errors
+    /// [`MotionError`] when the time or an angle is not finite or a distance is not above 0.
+    pub fn command(&mut self, time_s: f64, command: GazeCommand) -> Result<(), MotionError> {
+        self.engine.command(time_s, command)
+    }
+
+    /// A voluntary blink at a time (s).
+    ///
+    /// # Errors
+    /// [`MotionError`] when the time is not finite.
+    pub fn blink(&mut self, time_s: f64) -> Result<(), MotionError> {
+        self.engine.blink_now(time_s)
+    }
+
+    fn advance(&mut self, clock: &SimulationClock) {
+        if clock.ready {
+            self.engine.advance_to(clock.time_s);
+        }
+        self.state = self.engine.state();
+        if !clock.moved {
+            return;
+        }
+        self.strip.push_back(TraceRow::from(&self.state));
+        let before = clock.time_s - STRIP_S;
+        while self.strip.front().is_some_and(|row| row.time_s < before) {
+            self.strip.pop_front();
+        }
+    }
 }
 
 /// Adds the engine.
@@ -59,163 +153,218 @@ pub struct MotionPlugin;
 
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Candidates>()
-            .add_message::<MotionCommand>()
-            .add_systems(Startup, start)
-            .add_systems(Update, decide.in_set(EyeSystems::Decide))
-            .add_systems(Update, move_patient.in_set(EyeSystems::Move));
+        app.add_message::<MotionCommand>()
+            .add_systems(Update, give_controllers.in_set(EyeSystems::Sense))
+            .add_systems(Update, (hold_pupils, decide).chain().in_set(EyeSystems::Decide))
+            .add_systems(Update, move_eyes.in_set(EyeSystems::Move));
     }
 }
 
-/// The settings of a session's patient; `held_pupil_mm` overrides the file's pupil.
-pub fn settings(session: &Session, held_pupil_mm: Option<f64>) -> OculomotorSettings {
-    let patient: &PatientFile = &session.patient;
+/// Everybody moves.
+fn give_controllers(
+    still: Query<Entity, (With<Patient>, Without<GazeController>)>,
+    mut commands: Commands,
+) {
+    for patient in &still {
+        commands
+            .entity(patient)
+            .insert((GazeController::default(), Candidates::default()));
+    }
+}
+
+/// What of a leading eye its engine works with.
+type LeadingEye<'a> = (&'a Lens, &'a Refraction, Option<Ref<'a, VisualField>>);
+
+/// The engine's settings with what a person's components say.
+fn settings_of(
+    now: &OculomotorSettings,
+    patient: &Patient,
+    control: &PupilControl,
+    adaptation: &Adaptation,
+    lens: &Lens,
+    refraction: &Refraction,
+) -> OculomotorSettings {
     OculomotorSettings {
-        seed: session.seed,
-        accommodation_amplitude_d: patient.amplitude_d(),
-        far_point_d: -patient.spherical_equivalent_d(),
-        pupil: match held_pupil_mm.or(patient.pupil.diameter_mm()) {
+        age_years: patient.age_years,
+        accommodation_amplitude_d: lens
+            .amplitude_d
+            .unwrap_or_else(|| hofstetter_amplitude_d(patient.age_years)),
+        far_point_d: -refraction.spherical_equivalent_d(),
+        pupil: match control.diameter_mm() {
             Some(diameter_mm) => PupilMode::Manual(diameter_mm),
             None => PupilMode::Auto {
-                luminance_cd_m2: mean_luminance(&session.scene),
+                luminance_cd_m2: adaptation.luminance_cd_m2,
                 field_deg2: ADAPTING_FIELD_DEG2,
                 both_eyes: true,
             },
         },
-        ..OculomotorSettings::for_age(patient.age_years)
+        ..now.clone()
     }
 }
 
-fn mean_luminance(scene: &LoadedScene) -> f64 {
-    match scene {
-        LoadedScene::Model(model) => model.mean_luminance_cd_m2,
-        LoadedScene::Photo(photo) => photo.mean_luminance_cd_m2,
-    }
-}
-
-/// The visual field of this patient, if it has lost anything.
-pub fn visual_field(patient: &PatientFile) -> Option<VisualField> {
-    patient
-        .glaucoma
-        .map(|stage| VisualField::glaucoma(stage, patient.eye, patient.age_years))
-}
-
-fn start(session: Res<Session>, mut commands: Commands) {
-    match Oculomotor::new(settings(&session, None)) {
-        Ok(mut engine) => {
-            engine.set_visual_field(visual_field(&session.patient));
-            let state = engine.state();
-            commands.insert_resource(Motion {
-                engine,
-                state,
-                strip: VecDeque::new(),
-                held_pupil_mm: None,
-                candidates_version: 0,
-                restarts: 0,
-            });
-        }
-        // The patient file was checked; a refusal here is a defect worth hearing about.
-        Err(error) => error!("the eye cannot move: {error}"),
-    }
-}
-
-/// Hands the engine what is new: session, candidates, the user's commands.
-fn decide(
-    session: Res<Session>,
-    clock: Res<SimulationClock>,
-    candidates: Res<Candidates>,
-    motion: Option<ResMut<Motion>>,
-    mut asked: MessageReader<MotionCommand>,
-) {
-    let Some(mut motion) = motion else { return };
-    if motion.restarts != session.restarts {
-        motion.restarts = session.restarts;
-        motion.strip.clear();
-        motion.candidates_version = 0;
-        refresh(&mut motion, &session);
-        let seed = session.seed;
-        motion.engine.reset(seed);
-    }
-    if motion.candidates_version != candidates.version {
-        motion.candidates_version = candidates.version;
-        motion
-            .engine
-            .set_ahead_distance(candidates.ahead_distance_m);
-        motion.engine.set_candidates(candidates.list.clone());
-    }
+/// Holds pupils, or lets them go.
+fn hold_pupils(mut asked: MessageReader<MotionCommand>, mut pupils: Query<&mut PupilControl>) {
     for command in asked.read() {
-        let outcome = match command {
-            MotionCommand::Gaze(gaze) => motion.engine.command(clock.time_s, *gaze),
-            MotionCommand::Blink => motion.engine.blink_now(clock.time_s),
-            MotionCommand::Pupil(held) => {
-                motion.held_pupil_mm = *held;
-                refresh(&mut motion, &session);
-                Ok(())
+        if let MotionCommand::Pupil(held_mm) = command {
+            for mut control in &mut pupils {
+                let held_mm = held_mm.filter(|diameter_mm| (1.0..=9.0).contains(diameter_mm));
+                if control.held_mm != held_mm {
+                    control.held_mm = held_mm;
+                }
             }
-        };
-        if let Err(error) = outcome {
-            warn!("the eye ignores a command: {error}");
         }
     }
 }
 
-fn refresh(motion: &mut Motion, session: &Session) {
-    let settings = settings(session, motion.held_pupil_mm);
-    if let Err(error) = motion.engine.set_settings(settings) {
-        warn!("the eye keeps its settings: {error}");
-    }
-    motion
-        .engine
-        .set_visual_field(visual_field(&session.patient));
-}
+/// What of a person her engine works with.
+type Mover<'a> = (
+    Entity,
+    &'a mut GazeController,
+    Option<Ref<'a, Candidates>>,
+    &'a Patient,
+    &'a PupilControl,
+    &'a Adaptation,
+);
 
-/// Moves the engine to the clock's time and the patient to the engine's pose.
-fn move_patient(
+/// Hands the engines what is new: anatomy, light, candidates, the user's commands.
+fn decide(
     clock: Res<SimulationClock>,
-    motion: Option<ResMut<Motion>>,
-    mut patient: Query<
-        (&mut GazeController, &mut Pupil, &mut Lens, &mut Eyelids),
-        With<PatientMarker>,
-    >,
+    mut asked: MessageReader<MotionCommand>,
+    mut movers: Query<Mover>,
+    finder: EyeFinder,
+    eyes: Query<LeadingEye>,
 ) {
-    let Some(mut motion) = motion else { return };
-    if clock.ready {
-        motion.engine.advance_to(clock.time_s);
-    }
-    let state = motion.engine.state();
-    motion.state = state;
-    if clock.moved {
-        motion.strip.push_back(TraceRow::from(&state));
-        while motion
-            .strip
-            .front()
-            .is_some_and(|row| row.time_s < clock.time_s - STRIP_S)
+    let commands: Vec<_> = asked.read().cloned().collect();
+    for (entity, mut controller, candidates, patient, control, adaptation) in &mut movers {
+        let Some((lens, refraction, field)) = finder
+            .find(entity)
+            .and_then(|(eye, _)| eyes.get(eye).ok())
+        else {
+            continue;
+        };
+        let controller = &mut *controller;
+        let fresh = std::mem::take(&mut controller.fresh);
+        let now = controller.engine.settings();
+        let wanted = settings_of(now, patient, control, adaptation, lens, refraction);
+        if fresh || wanted != *now {
+            if let Err(error) = controller.engine.set_settings(wanted) {
+                warn!("the eye keeps its settings: {error}");
+            }
+            if fresh {
+                let seed = controller.seed();
+                controller.engine.reset(seed);
+            }
+        }
+        if let Some(field) = field
+            && (fresh || field.is_changed())
         {
-            motion.strip.pop_front();
+            let lost = (!field.is_whole()).then(|| (*field).clone());
+            controller.engine.set_visual_field(lost);
+        }
+        if let Some(candidates) = candidates
+            && (fresh || candidates.is_changed())
+        {
+            controller
+                .engine
+                .set_ahead_distance(candidates.ahead_distance_m);
+            controller.engine.set_candidates(candidates.list.clone());
+        }
+        for command in &commands {
+            let outcome = match command {
+                MotionCommand::Gaze(gaze) => controller.engine.command(clock.time_s, *gaze),
+                MotionCommand::Blink => controller.engine.blink_now(clock.time_s),
+                MotionCommand::Pupil(_) => Ok(()),
+            };
+            if let Err(error) = outcome {
+                warn!("the eye ignores a command: {error}");
+            }
         }
     }
-    let Ok((mut gaze, mut pupil, mut lens, mut lids)) = patient.single_mut() else {
-        return;
-    };
-    gaze.set_if_neq(GazeController {
+}
+
+/// What moves of an eye.
+type Moving<'a> = (
+    &'a Eye,
+    &'a EyeOf,
+    &'a Cornea,
+    &'a Iris,
+    &'a mut Gaze,
+    &'a mut Pupil,
+    &'a mut Accommodation,
+);
+
+/// Moves the engines to the clock's time, and lids and eyes to their poses.
+fn move_eyes(
+    clock: Res<SimulationClock>,
+    mut people: Query<(&mut GazeController, &mut Eyelids, &Patient), With<Eyes>>,
+    mut eyes: Query<Moving>,
+) {
+    for (mut controller, mut lids, _) in &mut people {
+        // What moves in every frame is no news to anybody.
+        controller.bypass_change_detection().advance(&clock);
+        let state = &controller.state;
+        lids.set_if_neq(Eyelids {
+            aperture: state.lid_aperture,
+            blinking: state.blinking,
+            blink_epoch: state.blink_epoch,
+        });
+    }
+    for (eye, owner, cornea, iris, mut gaze, mut pupil, mut accommodation) in &mut eyes {
+        let Ok((controller, _, patient)) = people.get(owner.0) else {
+            continue;
+        };
+        let state = &controller.state;
+        gaze.set_if_neq(gaze_of(state, eye.laterality, patient));
+        // Both pupils are driven alike; the hole is what the cornea magnifies to this diameter.
+        pupil.set_if_neq(Pupil {
+            diameter_mm: state.pupil_mm / cornea.pupil_magnification(iris.depth_mm),
+        });
+        accommodation.set_if_neq(Accommodation {
+            response_d: state.accommodation_d,
+        });
+    }
+}
+
+/// Where one eye looks: the leading one as its engine says, the other at the same point.
+fn gaze_of(state: &OculomotorState, eye: Laterality, patient: &Patient) -> Gaze {
+    let leading = Gaze {
         azimuth_rad: state.gaze_azimuth_rad,
         elevation_rad: state.gaze_elevation_rad,
         torsion_rad: state.gaze_torsion_rad,
-        fixation_azimuth_rad: state.fixation_azimuth_rad,
-        fixation_elevation_rad: state.fixation_elevation_rad,
-        fixation_distance_m: state.fixation_distance_m,
-        in_saccade: state.in_saccade,
-        fixation_index: state.fixation_index,
-    });
-    if pupil.diameter_mm != state.pupil_mm {
-        pupil.diameter_mm = state.pupil_mm;
+    };
+    if eye == patient.leading {
+        return leading;
     }
-    if lens.accommodation_d != state.accommodation_d {
-        lens.accommodation_d = state.accommodation_d;
-    }
-    if lids.aperture != state.lid_aperture || lids.blinking != state.blinking {
-        lids.aperture = state.lid_aperture;
-        lids.blinking = state.blinking;
-        lids.blink_epoch = state.blink_epoch;
+    // From the leading eye to this one, in units of the fixated point's distance.
+    let aside = eye.temporal_sign() * patient.interpupillary_mm * 1e-3 * state.vergence_per_m;
+    let towards = leading.direction() - bevy::math::DVec3::X * aside;
+    Gaze::towards(GazeAngles::of(towards).within_range())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_eyes_look_at_the_same_point() {
+        let patient = Patient::default();
+        let state = OculomotorState {
+            gaze_azimuth_rad: 0.2,
+            gaze_elevation_rad: -0.1,
+            vergence_per_m: 1.0 / 0.4,
+            ..*GazeController::default().state()
+        };
+        let [right, left] = Laterality::BOTH.map(|eye| gaze_of(&state, eye, &patient));
+        let point = right.direction() * 0.4;
+        // The left eye stands 63 mm to the left.
+        let from_left = point + bevy::math::DVec3::X * 0.063;
+        assert!((from_left.normalize() - left.direction()).length() < 1e-12);
+        assert!(left.azimuth_rad > right.azimuth_rad + 0.1, "they converge");
+        let far = OculomotorState {
+            vergence_per_m: 0.0,
+            ..state
+        };
+        let parallel = gaze_of(&far, Laterality::OS, &patient);
+        assert!((parallel.direction() - right.direction()).length() < 1e-12);
     }
 }

@@ -6,10 +6,10 @@
 use rand::Rng;
 use thiserror::Error;
 
-use super::accommodation::hofstetter_amplitude_d;
+use crate::optics::accommodation::hofstetter_amplitude_d;
 use super::pupil::PUPIL_RANGE_MM;
 use super::random;
-use crate::percept::attention::AttentionSettings;
+use crate::motion::attention::AttentionSettings;
 
 pub use super::blink::BlinkRate;
 pub use super::pupil::PupilMode;

@@ -13,6 +13,7 @@
 //! Whole eyes, from surfaces to images: [`surface`] → [`ray_trace`] → [`schematic_eye`] → [`paraxial`],
 //! [`pupil`], [`wavefront`] → [`psf`]; [`traced_blur`] holds the blur disc of [`defocus`] against them.
 
+pub mod accommodation;
 pub mod caustic;
 pub mod chromatic;
 pub mod conicoid;

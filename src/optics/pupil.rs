@@ -12,7 +12,10 @@
 //! **Axes of the view.** `u` points to the patient's right (+x) and `w` up as far as the line of sight
 //! allows: azimuth turns the viewer to +x, elevation up (+y).
 
+mod magnification;
 pub(super) mod search;
+
+pub use magnification::entrance_pupil_magnification;
 
 use super::ray_trace::{Interface, Ray, trace_into, trace_out_of};
 use super::schematic_eye::SchematicEye;

@@ -1,18 +1,14 @@
 //! What the main world hands to the view's passes each frame, and what comes back.
 
 use super::gpu_data::PerceptUniform;
+use crate::anatomy::VisualField;
 use bevy::asset::Handle;
 use bevy::image::Image;
 use bevy::math::UVec2;
-use bevy::prelude::{Component, Resource};
+use bevy::prelude::Component;
 use bevy::render::extract_component::ExtractComponent;
-use bevy::render::extract_resource::ExtractResource;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-/// Marks the camera that draws the scene from the patient's eye.
-#[derive(Component, Clone, Copy, Debug, ExtractComponent)]
-pub struct SceneCamera;
 
 /// Where a capture takes its picture from.
 #[derive(Clone, Debug)]
@@ -42,16 +38,16 @@ pub struct CaptureRequest {
 /// The visual field as a square map about the fixation; see `shaders/view/visual_field.wgsl`.
 #[derive(Clone, Debug)]
 pub struct FieldMap {
-    /// Counts changes.
-    pub version: u64,
+    /// The field that it shows.
+    pub of: Arc<VisualField>,
     /// Texels along a side.
     pub side: u32,
     /// 0 blind to 1 seen, the highest row first.
     pub seen: Arc<Vec<f32>>,
 }
 
-/// One frame of the view.
-#[derive(Resource, Clone, Debug, ExtractResource)]
+/// One frame of the view of a camera.
+#[derive(Component, Clone, Debug, Default, ExtractComponent)]
 pub struct PerceptFrame {
     /// Is the panel shown? If not, nothing runs.
     pub visible: bool,
@@ -66,9 +62,11 @@ pub struct PerceptFrame {
     /// Forget everything that was seen?
     pub forget: bool,
     /// The visual field, for a patient who has lost some of it.
-    pub glaucoma: Option<FieldMap>,
+    pub field_loss: Option<FieldMap>,
     /// What is drawn into.
     pub target: Handle<Image>,
+    /// The way back.
+    pub returned: PerceptReturn,
 }
 
 /// A finished capture, on the CPU.
@@ -97,14 +95,14 @@ impl CaptureResult {
     }
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Returned {
     result: Mutex<Option<CaptureResult>>,
     recorded: AtomicU64,
 }
 
 /// Carries finished captures from the render world; cloning shares it.
-#[derive(Resource, Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct PerceptReturn(Arc<Returned>);
 
 impl PerceptReturn {

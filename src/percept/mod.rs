@@ -1,64 +1,74 @@
-//! The view from inside: what this eye sees of the scene.
+//! The view from inside: what an eye sees of the world before it.
 //!
-//! Enters: the patient's components and a scene. Leaves: the view's panel, and
-//! the candidates among which the eye chooses where to look. After Nießner et
-//! al. 2013: FAST corners (section 3), defocus for every pixel (section 3), the
-//! sharpness field (section 4), a Gaussian gather (section 5); glaucoma limits
-//! the choice and adds blur with distance from the fixation (section 3).
+//! Enters: a camera with [`SeesAs`], and the components of the eye that it sees as. Leaves: the
+//! camera's picture, and the candidates among which the eye chooses where to look. After Nießner et
+//! al. 2013: FAST corners (section 3), defocus for every pixel (section 3), the sharpness field
+//! (section 4), a Gaussian gather (section 5); a lost field limits the choice and adds blur with
+//! distance from the fixation (section 3).
 //!
-//! The head is still, so the view is static: colour, distance, corners and the
-//! voxel of every pixel are found once, when scene or size change. A frame then
-//! costs one `atomicMin` and one gather a pixel, and nothing at all while
-//! neither clock nor lids move.
+//! Colour, distance, corners and the voxel of every pixel are found when the camera or anything in
+//! its sight has changed, and not otherwise. A frame then costs one `atomicMin` and one gather a
+//! pixel, and nothing at all while neither clock nor lids move.
 
-pub mod attention;
 pub mod fast;
 pub mod frame;
 pub mod gather;
 pub mod gpu_data;
+mod memory;
 pub mod passes;
 pub mod pipelines;
 pub mod places;
 pub mod readback;
 mod resources;
+mod sees_as;
 pub mod sharpness_field;
+mod sight;
 pub mod view;
-pub mod visual_field;
-pub mod work;
 
-pub use frame::{PerceptFrame, PerceptReturn, SceneCamera};
+pub use frame::PerceptFrame;
+pub use memory::SharpnessField;
+pub use sees_as::{SeesAs, Worn};
+pub use sight::SceneChanges;
 pub use view::{Percept, ViewOptions};
 
-use crate::app::{EyeSystems, Panels};
+use crate::frame::EyeSystems;
+use bevy::camera::CameraUpdateSystems;
 use bevy::prelude::*;
 
-/// The view as a plugin.
+/// The views as a plugin.
 pub struct PerceptPlugin;
 
 impl Plugin for PerceptPlugin {
     fn build(&self, app: &mut App) {
-        let returned = PerceptReturn::default();
-        app.insert_resource(returned.clone())
-            .init_resource::<Percept>()
-            .init_resource::<ViewOptions>()
-            .add_plugins(bevy::render::extract_component::ExtractComponentPlugin::<
-                SceneCamera,
-            >::default())
+        app.init_resource::<SceneChanges>()
+            .register_type::<SeesAs>()
+            .register_type::<ViewOptions>()
+            .register_type::<SharpnessField>()
+            .add_observer(sees_as::dismiss_presenters)
             .add_systems(
                 Update,
-                (view::load_scene, view::receive)
+                (view::receive, view::start_unseen)
                     .chain()
-                    .before(crate::app::session::obey)
                     .in_set(EyeSystems::Sense)
-                    .run_if(resource_exists::<Panels>),
+                    .before(crate::frame::EyeCommands),
             )
+            .add_systems(Update, memory::remember.in_set(EyeSystems::Perceive))
+            // Where cameras stand is known when transforms have come down to them, and what they draw
+            // must be known before Bevy looks which of them do.
             .add_systems(
-                Update,
-                (view::drive_capture, view::perceive)
+                PostUpdate,
+                (
+                    sees_as::take_off,
+                    sees_as::put_on,
+                    sees_as::measure_targets,
+                    sight::notice,
+                    view::drive_captures,
+                    view::perceive,
+                )
                     .chain()
-                    .in_set(EyeSystems::Perceive)
-                    .run_if(resource_exists::<Panels>),
+                    .after(TransformSystems::Propagate)
+                    .before(CameraUpdateSystems),
             );
-        passes::build_render(app, returned);
+        passes::build_render(app);
     }
 }

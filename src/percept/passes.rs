@@ -1,36 +1,38 @@
-//! The view's passes in the render world.
+//! The passes of the views in the render world.
 //!
-//! Enters: [`PerceptFrame`], extracted once a frame, and, in the frame of a
-//! capture, the scene camera's colour and depth. Leaves: the view's panel, and,
-//! once a capture, the list of corners and the map of vergence for the CPU.
+//! Enters: the [`PerceptFrame`] of every camera that sees as somebody does, extracted once a frame,
+//! and, in the frame of a capture, that camera's colour and depth. Leaves: the picture in its
+//! target, and, once a capture, the list of corners and the map of vergence for the CPU.
 
-use super::frame::{CaptureSource, PerceptFrame, PerceptReturn, SceneCamera};
+use super::frame::{CaptureSource, PerceptFrame};
 use super::gpu_data::{
-    CANDIDATE_CAPACITY, FEATURE_COUNTERS, FORGET, PerceptUniform, TILE, WORKGROUP, mip_levels,
-    pixel_groups, slot_groups,
+    FEATURE_COUNTERS, FORGET, PerceptUniform, TILE, WORKGROUP, mip_levels, pixel_groups,
+    slot_groups,
 };
 use super::pipelines::{Pass, Pipelines};
-use super::readback::{Readback, Staging};
-use super::resources::{PerceptGpu, STORAGE, View, buffer, make_room, table_is_new};
-use crate::ledger::WorkLedger;
+use super::readback::Staging;
+use super::resources::{PerceptGpu, View, ViewGpu, make_room, table_is_new};
+use super::sees_as::Presents;
+use crate::frame::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
-use bevy::core_pipeline::{Core3d, Core3dSystems};
+use bevy::core_pipeline::{Core2d, Core2dSystems, Core3d, Core3dSystems};
 use bevy::prelude::*;
-use bevy::render::extract_resource::ExtractResourcePlugin;
+use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::render_asset::{RenderAssets, prepare_assets};
 use bevy::render::render_resource::BindingResource::{
     self, Sampler as BindSampler, TextureView as BindView,
 };
 use bevy::render::render_resource::{
-    AddressMode, BufferUsages, CommandEncoder, ComputePassDescriptor, Extent3d, FilterMode, LoadOp,
+    AddressMode, CommandEncoder, ComputePassDescriptor, Extent3d, FilterMode, LoadOp,
     MipmapFilterMode, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
-    SamplerDescriptor, StoreOp, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
-    TextureViewDescriptor,
+    Sampler, SamplerDescriptor, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView, TextureViewDescriptor,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderGraph, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
 use bevy::render::view::{ViewDepthTexture, ViewTarget};
 use bevy::render::{Render, RenderApp, RenderSystems};
+use std::sync::Arc;
 
 /// What a healthy frame needs, and what a capture needs.
 const FRAME_PASSES: &[Pass] = &[
@@ -49,16 +51,17 @@ const CAPTURE_PASSES: &[Pass] = &[
 ];
 
 /// Adds the passes to the render world.
-pub fn build_render(app: &mut App, returned: PerceptReturn) {
-    app.add_plugins(ExtractResourcePlugin::<PerceptFrame>::default());
+pub fn build_render(app: &mut App) {
+    app.add_plugins((
+        ExtractComponentPlugin::<PerceptFrame>::default(),
+        ExtractComponentPlugin::<Presents>::default(),
+    ));
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
         return;
     };
     render_app
-        .insert_resource(returned)
         .init_resource::<PerceptGpu>()
         .init_resource::<Pipelines>()
-        .init_resource::<Readback>()
         .add_systems(
             Render,
             (
@@ -68,17 +71,19 @@ pub fn build_render(app: &mut App, returned: PerceptReturn) {
                 collect.in_set(RenderSystems::Cleanup),
             ),
         )
-        .add_systems(RenderGraph, draw_view.before(camera_driver))
-        .add_systems(Core3d, capture_scene.in_set(Core3dSystems::PostProcess));
+        .add_systems(RenderGraph, draw_views.before(camera_driver))
+        .add_systems(Core3d, capture_scene.in_set(Core3dSystems::EarlyPostProcess))
+        .add_systems(Core2d, hand_on.in_set(Core2dSystems::EarlyPostProcess));
 }
 
-/// Makes the lasting resources, uploads the uniform and, for a patient with glaucoma, the field.
+/// Makes the lasting resources of every view, and uploads its uniform and, where it has lost some, its
+/// field.
 #[expect(
     clippy::too_many_arguments,
     reason = "a system's arguments are what it touches"
 )]
 fn prepare(
-    frame: Option<Res<PerceptFrame>>,
+    frames: Query<(Entity, &PerceptFrame)>,
     mut gpu: ResMut<PerceptGpu>,
     images: Res<RenderAssets<GpuImage>>,
     pipelines: Res<Pipelines>,
@@ -87,91 +92,90 @@ fn prepare(
     queue: Res<RenderQueue>,
     ledger: Res<WorkLedger>,
 ) {
-    let Some(frame) = frame else { return };
-    if !frame.visible {
-        return;
-    }
-    pipelines.are_ready(&cache, FRAME_PASSES, frame.glaucoma.is_some());
-    if gpu.sampler.is_none() {
-        gpu.sampler = Some(device.create_sampler(&SamplerDescriptor {
-            label: Some("view_sampler"),
-            address_mode_u: AddressMode::ClampToEdge,
-            address_mode_v: AddressMode::ClampToEdge,
-            mag_filter: FilterMode::Linear,
-            min_filter: FilterMode::Linear,
-            mipmap_filter: MipmapFilterMode::Nearest,
-            ..SamplerDescriptor::default()
-        }));
-        gpu.uniform = Some(buffer(
-            &device,
-            "percept",
-            size_of::<PerceptUniform>() as u64,
-            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-        ));
-        gpu.feature_counters = Some(buffer(
-            &device,
-            "feature_counters",
-            FEATURE_COUNTERS as u64 * 4,
-            STORAGE,
-        ));
-        gpu.candidates = Some(buffer(
-            &device,
-            "candidates",
-            u64::from(CANDIDATE_CAPACITY) * 16,
-            STORAGE,
-        ));
-    }
-    if let Some(field) = &frame.glaucoma
-        && gpu
-            .field
-            .as_ref()
-            .is_none_or(|(version, _)| *version != field.version)
-    {
-        let texture = device.create_texture_with_data(
-            &queue,
-            &TextureDescriptor {
-                label: Some("visual_field"),
-                size: Extent3d {
-                    width: field.side,
-                    height: field.side,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format: TextureFormat::R32Float,
-                usage: TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            },
-            bevy::render::render_resource::TextureDataOrder::default(),
-            bytemuck::cast_slice(&field.seen),
-        );
-        ledger.bytes_uploaded(field.seen.len() as u64 * 4);
-        gpu.field = Some((
-            field.version,
-            texture.create_view(&TextureViewDescriptor::default()),
-        ));
-    }
-    if frame.glaucoma.is_none() {
-        gpu.field = None;
-    }
-    // Whoever lays out the window may have given the panel another size after the frame's numbers were
-    // made; its new image is empty.
-    let target = images.get(&frame.target).map_or(UVec2::ZERO, |target| {
-        let size = target.texture_descriptor.size;
-        UVec2::new(size.width, size.height)
-    });
-    gpu.target = target;
-    gpu.present = frame.present || (gpu.presented != UVec2::ZERO && gpu.presented != target);
-    if frame.capture.is_some() || frame.update || gpu.present {
-        let mut uniform = frame.uniform;
-        uniform.slot_mask = gpu.table.as_ref().map_or(0, |table| table.slots - 1);
-        uniform.target_size = target.as_vec2().to_array();
-        if let Some(buffer) = &gpu.uniform {
-            queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
+    let gpu = &mut *gpu;
+    gpu.views.retain(|entity, _| frames.contains(*entity));
+    for (entity, frame) in &frames {
+        if !frame.visible {
+            continue;
+        }
+        gpu.sampler.get_or_insert_with(|| view_sampler(&device));
+        let view = gpu
+            .views
+            .entry(entity)
+            .or_insert_with(|| ViewGpu::new(&device));
+        // Whoever lays out the window may have given the panel another size after the frame's numbers
+        // were made; its new image is empty.
+        let target = images.get(&frame.target).map(|image| &image.texture_descriptor);
+        view.target = target.map_or(UVec2::ZERO, |target| {
+            UVec2::new(target.size.width, target.size.height)
+        });
+        view.format = target.map_or(view.format, |target| target.format);
+        pipelines.are_ready(&cache, FRAME_PASSES, frame.field_loss.is_some(), view.format);
+        upload_field(view, frame, &device, &queue, &ledger);
+        view.present = frame.present
+            || (view.presented != UVec2::ZERO && view.presented != view.target);
+        if frame.update || view.present {
+            let mut uniform = frame.uniform;
+            uniform.slot_mask = view.table.as_ref().map_or(0, |table| table.slots - 1);
+            uniform.target_size = view.target.as_vec2().to_array();
+            queue.write_buffer(&view.uniform, 0, bytemuck::bytes_of(&uniform));
             ledger.bytes_uploaded(size_of::<PerceptUniform>() as u64);
         }
     }
+}
+
+fn view_sampler(device: &RenderDevice) -> Sampler {
+    device.create_sampler(&SamplerDescriptor {
+        label: Some("view_sampler"),
+        address_mode_u: AddressMode::ClampToEdge,
+        address_mode_v: AddressMode::ClampToEdge,
+        mag_filter: FilterMode::Linear,
+        min_filter: FilterMode::Linear,
+        mipmap_filter: MipmapFilterMode::Nearest,
+        ..SamplerDescriptor::default()
+    })
+}
+
+/// The visual field of an eye that has lost some of it, as a texture.
+fn upload_field(
+    view: &mut ViewGpu,
+    frame: &PerceptFrame,
+    device: &RenderDevice,
+    queue: &RenderQueue,
+    ledger: &WorkLedger,
+) {
+    let Some(field) = &frame.field_loss else {
+        view.field = None;
+        return;
+    };
+    let is_there = |(seen, _): &(Arc<Vec<f32>>, TextureView)| Arc::ptr_eq(seen, &field.seen);
+    if view.field.as_ref().is_some_and(is_there) {
+        return;
+    }
+    let texture = device.create_texture_with_data(
+        queue,
+        &TextureDescriptor {
+            label: Some("visual_field"),
+            size: Extent3d {
+                width: field.side,
+                height: field.side,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::R32Float,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        bevy::render::render_resource::TextureDataOrder::default(),
+        bytemuck::cast_slice(&field.seen),
+    );
+    ledger.bytes_uploaded(field.seen.len() as u64 * 4);
+    view.field = Some((
+        field.seen.clone(),
+        texture.create_view(&TextureViewDescriptor::default()),
+    ));
 }
 
 /// What every pass is recorded with.
@@ -180,14 +184,16 @@ struct Recorder<'a> {
     device: &'a RenderDevice,
     cache: &'a PipelineCache,
     pipelines: &'a Pipelines,
+    ledger: &'a WorkLedger,
+    sampler: &'a Sampler,
 }
 
 impl Recorder<'_> {
     /// Runs one compute pass; says whether its pipeline was there.
-    fn run(&mut self, pass: Pass, glaucoma: bool, bound: &[Bound<'_>], groups: [u32; 2]) -> bool {
+    fn run(&mut self, pass: Pass, field_loss: bool, bound: &[Bound<'_>], groups: [u32; 2]) -> bool {
         let found = self
             .pipelines
-            .compute(self.device, self.cache, pass, glaucoma, bound);
+            .compute(self.device, self.cache, pass, field_loss, bound);
         let Some((pipeline, bindings)) = found else {
             return false;
         };
@@ -204,30 +210,31 @@ impl Recorder<'_> {
 /// A resource at a binding.
 type Bound<'a> = (u32, BindingResource<'a>);
 
-/// After the scene camera has drawn: its colour and depth become the static view.
+/// After a camera that sees as somebody does has drawn: its colour and depth become the static view.
 #[expect(
     clippy::too_many_arguments,
     reason = "a system's arguments are what it touches"
 )]
 fn capture_scene(
-    view: ViewQuery<(&ViewTarget, &ViewDepthTexture, &SceneCamera)>,
-    frame: Option<Res<PerceptFrame>>,
-    returned: Res<PerceptReturn>,
+    view: ViewQuery<(Entity, &ViewTarget, &ViewDepthTexture, &PerceptFrame)>,
     mut gpu: ResMut<PerceptGpu>,
-    mut readback: ResMut<Readback>,
+    images: Res<RenderAssets<GpuImage>>,
     pipelines: Res<Pipelines>,
     cache: Res<PipelineCache>,
     queue: Res<RenderQueue>,
     ledger: Res<WorkLedger>,
     mut ctx: RenderContext,
 ) {
-    let (target, depth, _) = view.into_inner();
+    let (entity, target, depth, frame) = view.into_inner();
     ledger.scene_passes(1);
-    let Some(frame) = frame else { return };
+    let gpu = &mut *gpu;
+    let (Some(view), Some(sampler)) = (gpu.views.get_mut(&entity), &gpu.sampler) else {
+        return;
+    };
     let Some(request) = frame.capture.as_ref() else {
         return;
     };
-    if !matches!(request.source, CaptureSource::Scene) || request.serial == gpu.captured {
+    if !matches!(request.source, CaptureSource::Scene) || request.serial == view.captured {
         return;
     }
     let device = ctx.render_device().clone();
@@ -240,29 +247,66 @@ fn capture_scene(
         device: &device,
         cache: &cache,
         pipelines: &pipelines,
+        ledger: &ledger,
+        sampler,
     };
-    let gpu = &mut *gpu;
-    if capture(
-        &frame,
-        gpu,
-        &mut readback,
-        &queue,
-        &mut recorder,
-        Pass::CaptureScene,
-        &source,
-    ) {
-        returned.note_recorded(request.serial);
-        ledger.view_captures(1);
-        ledger.feature_passes(1);
+    if capture(frame, view, &queue, &mut recorder, Pass::CaptureScene, &source) {
+        show_captured(frame, view, &queue, &images, &mut recorder);
     }
+}
+
+/// What has just been captured is shown at once, where it was asked for.
+fn show_captured(
+    frame: &PerceptFrame,
+    view: &mut ViewGpu,
+    queue: &RenderQueue,
+    images: &RenderAssets<GpuImage>,
+    recorder: &mut Recorder<'_>,
+) {
+    if !frame.present {
+        return;
+    }
+    // The table may be another one than when the frame was prepared.
+    let mut uniform = frame.uniform;
+    uniform.slot_mask = view.table.as_ref().map_or(0, |table| table.slots - 1);
+    uniform.target_size = view.target.as_vec2().to_array();
+    queue.write_buffer(&view.uniform, 0, bytemuck::bytes_of(&uniform));
+    if show(frame, view, images, recorder) {
+        view.presented = view.target;
+    }
+}
+
+/// A view's picture goes to the window that its camera draws into.
+fn hand_on(
+    view: ViewQuery<(&ViewTarget, &Presents)>,
+    images: Res<RenderAssets<GpuImage>>,
+    mut ctx: RenderContext,
+) {
+    let (target, presents) = view.into_inner();
+    let Some(image) = images.get(&presents.0) else {
+        return;
+    };
+    let (from, to) = (&image.texture, target.main_texture());
+    if from.format() != to.format() {
+        return;
+    }
+    let size = Extent3d {
+        width: from.width().min(to.width()),
+        height: from.height().min(to.height()),
+        depth_or_array_layers: 1,
+    };
+    ctx.command_encoder().copy_texture_to_texture(
+        from.as_image_copy(),
+        to.as_image_copy(),
+        size,
+    );
 }
 
 /// Everything that a new view needs once: capture, mips, corners, slots, and the copies for the CPU.
 /// Says whether it was recorded.
 fn capture(
     frame: &PerceptFrame,
-    gpu: &mut PerceptGpu,
-    readback: &mut Readback,
+    gpu: &mut ViewGpu,
     queue: &RenderQueue,
     recorder: &mut Recorder<'_>,
     pass: Pass,
@@ -276,20 +320,24 @@ fn capture(
         .copied()
         .chain([pass, Pass::GrowTable])
         .collect();
-    if readback.busy() || !recorder.pipelines.are_ready(recorder.cache, &needed, false) {
+    let format = gpu.format;
+    if !recorder
+        .pipelines
+        .are_ready(recorder.cache, &needed, false, format)
+    {
         return false;
     }
     let size = UVec2::from(frame.uniform.size);
     let view = View::new(recorder.device, size);
     let old = make_room(gpu, recorder.device, size, request.forget);
-    let (Some(uniform), Some(counters), Some(candidates), Some(table)) = (
-        &gpu.uniform,
-        &gpu.feature_counters,
-        &gpu.candidates,
-        &gpu.table,
-    ) else {
+    let Some(table) = &gpu.table else {
         return false;
     };
+    let (uniform, counters, candidates) = (
+        &gpu.capture_uniform,
+        &gpu.feature_counters,
+        &gpu.candidates,
+    );
     let mut data = frame.uniform;
     data.slot_mask = table.slots - 1;
     data.rebase_steps = FORGET;
@@ -362,31 +410,39 @@ fn capture(
     ];
     run(Pass::AssignSlots, &bound, pixels);
 
-    readback.start(Staging::copy(
-        recorder.device,
-        recorder.encoder,
-        request.serial,
-        size,
-        counters,
-        candidates,
-        &table.counters,
-        &view.vergence,
-    ));
+    // While an answer is on its way the next one has to wait: the eye chooses among what it saw before.
+    if !gpu.readback.busy() {
+        gpu.readback.start(Staging::copy(
+            recorder.device,
+            recorder.encoder,
+            request.serial,
+            size,
+            counters,
+            candidates,
+            &table.counters,
+            &view.vergence,
+        ));
+        gpu.unread = 0;
+    } else {
+        gpu.unread += 1;
+    }
+    gpu.occupied = gpu.occupied.saturating_add(size.x * size.y);
     gpu.captured = request.serial;
     gpu.view = Some(view);
+    frame.returned.note_recorded(request.serial);
+    recorder.ledger.view_captures(1);
+    recorder.ledger.feature_passes(1);
     true
 }
 
-/// The frame's own work: photograph capture, field update, picture.
+/// The frames' own work: photographs' captures, field updates, pictures.
 #[expect(
     clippy::too_many_arguments,
     reason = "a system's arguments are what it touches"
 )]
-fn draw_view(
-    frame: Option<Res<PerceptFrame>>,
-    returned: Res<PerceptReturn>,
+fn draw_views(
+    frames: Query<(Entity, &PerceptFrame)>,
     mut gpu: ResMut<PerceptGpu>,
-    mut readback: ResMut<Readback>,
     images: Res<RenderAssets<GpuImage>>,
     pipelines: Res<Pipelines>,
     cache: Res<PipelineCache>,
@@ -394,74 +450,63 @@ fn draw_view(
     ledger: Res<WorkLedger>,
     mut ctx: RenderContext,
 ) {
-    let Some(frame) = frame else { return };
-    if !frame.visible {
-        return;
-    }
     let device = ctx.render_device().clone();
-    if let Some(request) = &frame.capture
-        && let CaptureSource::Photo { colour, vergence } = &request.source
-        && request.serial != gpu.captured
-        && let (Some(colour), Some(vergence)) = (images.get(colour), images.get(vergence))
-    {
-        let source = [
-            (1, BindView(&colour.texture_view)),
-            (3, BindView(&vergence.texture_view)),
-        ];
-        let mut recorder = Recorder {
-            encoder: ctx.command_encoder(),
-            device: &device,
-            cache: &cache,
-            pipelines: &pipelines,
-        };
-        let gpu = &mut *gpu;
-        if capture(
-            &frame,
-            gpu,
-            &mut readback,
-            &queue,
-            &mut recorder,
-            Pass::CapturePhoto,
-            &source,
-        ) {
-            returned.note_recorded(request.serial);
-            ledger.view_captures(1);
-            ledger.feature_passes(1);
-        }
-        // The uniform was the capture's; the picture comes with the next frame.
-        return;
-    }
+    let gpu = &mut *gpu;
+    let Some(sampler) = &gpu.sampler else { return };
     let mut recorder = Recorder {
         encoder: ctx.command_encoder(),
         device: &device,
         cache: &cache,
         pipelines: &pipelines,
+        ledger: &ledger,
+        sampler,
     };
-    if show(&frame, &gpu, &images, &ledger, &mut recorder) {
-        gpu.presented = gpu.target;
+    for (entity, frame) in &frames {
+        let Some(view) = gpu.views.get_mut(&entity).filter(|_| frame.visible) else {
+            continue;
+        };
+        match &frame.capture {
+            Some(request) if request.serial != view.captured => {
+                // What a camera draws is captured, and shown, after it has drawn.
+                if let CaptureSource::Photo { colour, vergence } = &request.source
+                    && let (Some(colour), Some(vergence)) =
+                        (images.get(colour), images.get(vergence))
+                {
+                    let source = [
+                        (1, BindView(&colour.texture_view)),
+                        (3, BindView(&vergence.texture_view)),
+                    ];
+                    let pass = Pass::CapturePhoto;
+                    if capture(frame, view, &queue, &mut recorder, pass, &source) {
+                        show_captured(frame, view, &queue, &images, &mut recorder);
+                    }
+                }
+            }
+            _ => {
+                if show(frame, view, &images, &mut recorder) {
+                    view.presented = view.target;
+                }
+            }
+        }
     }
 }
 
 /// Field update and picture of one frame; says whether the picture was drawn.
 fn show(
     frame: &PerceptFrame,
-    gpu: &PerceptGpu,
+    gpu: &ViewGpu,
     images: &RenderAssets<GpuImage>,
-    ledger: &WorkLedger,
     recorder: &mut Recorder<'_>,
 ) -> bool {
-    let glaucoma = frame.glaucoma.is_some();
-    let (Some(view), Some(table), Some(uniform), Some(sampler), Some(target)) = (
-        &gpu.view,
-        &gpu.table,
-        &gpu.uniform,
-        &gpu.sampler,
-        images.get(&frame.target),
-    ) else {
+    let field_loss = frame.field_loss.is_some();
+    let (Some(view), Some(table), Some(target)) =
+        (&gpu.view, &gpu.table, images.get(&frame.target))
+    else {
         return false;
     };
+    let (uniform, ledger) = (&gpu.uniform, recorder.ledger);
     let field = gpu.field.as_ref().map(|(_, view)| view);
-    if view.size != UVec2::from(frame.uniform.size) || glaucoma != field.is_some() {
+    if view.size != UVec2::from(frame.uniform.size) || field_loss != field.is_some() {
         return false;
     }
     let pixels = u64::from(view.size.x) * u64::from(view.size.y);
@@ -482,7 +527,7 @@ fn show(
         ];
         bound.extend(field_at(12));
         let groups = pixel_groups(view.size.x, view.size.y, WORKGROUP);
-        if recorder.run(Pass::UpdateField, glaucoma, &bound, groups) {
+        if recorder.run(Pass::UpdateField, field_loss, &bound, groups) {
             ledger.field_updates(1);
             ledger.field_pixels(pixels);
         }
@@ -501,21 +546,21 @@ fn show(
     bound.extend(field_at(12));
     recorder.run(
         Pass::ReadBlur,
-        glaucoma,
+        field_loss,
         &bound,
         pixel_groups(view.size.x, view.size.y, TILE),
     );
     let mut bound = vec![
         (0, uniform.as_entire_binding()),
         (1, BindView(&view.colour_view)),
-        (2, BindSampler(sampler)),
+        (2, BindSampler(recorder.sampler)),
         (3, view.blur_px.as_entire_binding()),
         (4, view.tile_near.as_entire_binding()),
     ];
     bound.extend(field_at(5));
     let found = recorder
         .pipelines
-        .present(recorder.device, recorder.cache, glaucoma, &bound);
+        .present(recorder.device, recorder.cache, field_loss, gpu.format, &bound);
     let Some((pipeline, bindings)) = found else {
         return false;
     };
@@ -540,20 +585,22 @@ fn show(
         u64::from(target.texture_descriptor.size.width)
             * u64::from(target.texture_descriptor.size.height),
     );
-    if glaucoma {
+    if field_loss {
         ledger.glaucoma_passes(1);
     }
     true
 }
 
 /// Hands finished copies to the main world.
-fn collect(
-    mut readback: ResMut<Readback>,
-    mut gpu: ResMut<PerceptGpu>,
-    returned: Res<PerceptReturn>,
-) {
-    if let Some(capture) = readback.take_finished() {
-        gpu.occupied = capture.occupied;
-        returned.give(capture);
+fn collect(mut gpu: ResMut<PerceptGpu>, frames: Query<&PerceptFrame>) {
+    for (entity, view) in &mut gpu.views {
+        if let Some(capture) = view.readback.take_finished() {
+            // Each capture that nobody has read since may have added a voxel a pixel.
+            let since = capture.size.element_product().saturating_mul(view.unread);
+            view.occupied = capture.occupied.saturating_add(since);
+            if let Ok(frame) = frames.get(*entity) {
+                frame.returned.give(capture);
+            }
+        }
     }
 }

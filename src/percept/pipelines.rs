@@ -1,11 +1,11 @@
 //! The passes of the view as pipelines: layout, shader and entry point of each,
 //! kept in step with `shaders/view/*.wgsl`.
 //!
-//! A pass with glaucoma is another pipeline than one without: the healthy one
-//! holds none of its code, and the other is built only for a patient who has it.
+//! A pass for an eye that has lost some of its field is another pipeline than one for an eye that has
+//! not: the healthy one holds none of the other's code, and the other is built only where it is needed.
 
 use super::gpu_data::PerceptUniform;
-use crate::shaders;
+use crate::frame::shaders;
 use bevy::asset::Handle;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::Resource;
@@ -92,12 +92,12 @@ impl Pass {
         }
     }
 
-    /// Has this pass another form for glaucoma?
-    fn knows_glaucoma(self) -> bool {
+    /// Has this pass another form for a field with losses?
+    fn knows_field_loss(self) -> bool {
         matches!(self, Self::UpdateField | Self::ReadBlur | Self::Present)
     }
 
-    fn slots(self, glaucoma: bool) -> Vec<(u32, Slot)> {
+    fn slots(self, field_loss: bool) -> Vec<(u32, Slot)> {
         let rgba = Slot::StorageTexture(TextureFormat::Rgba16Float);
         let mut slots = match self {
             Self::CaptureScene => vec![
@@ -161,20 +161,20 @@ impl Pass {
                 (4, READ),
             ],
         };
-        if glaucoma && self.knows_glaucoma() {
+        if field_loss && self.knows_field_loss() {
             slots.push((if self == Self::Present { 5 } else { 12 }, TEXEL));
         }
         slots
     }
 
-    fn layout(self, glaucoma: bool) -> BindGroupLayoutDescriptor {
+    fn layout(self, field_loss: bool) -> BindGroupLayoutDescriptor {
         let visibility = if self == Self::Present {
             ShaderStages::FRAGMENT
         } else {
             ShaderStages::COMPUTE
         };
         let entries: Vec<BindGroupLayoutEntry> = self
-            .slots(glaucoma)
+            .slots(field_loss)
             .into_iter()
             .map(|(binding, slot)| BindGroupLayoutEntry {
                 binding,
@@ -230,33 +230,36 @@ struct Queued {
     id: Id,
 }
 
+/// A pass, whether it is for a field with losses, and the format that `present` draws.
+type Key = (Pass, bool, TextureFormat);
+
 /// The pipelines that were asked for so far.
 #[derive(Resource, Default)]
-pub struct Pipelines(Mutex<HashMap<(Pass, bool), Queued>>);
+pub struct Pipelines(Mutex<HashMap<Key, Queued>>);
+
+/// One key for each form that there is.
+fn key_of(pass: Pass, field_loss: bool, format: TextureFormat) -> Key {
+    let format = match pass {
+        Pass::Present => format,
+        _ => TextureFormat::Rgba8UnormSrgb,
+    };
+    (pass, field_loss && pass.knows_field_loss(), format)
+}
 
 impl Pipelines {
-    /// Asks for a pass, so that it is built before it is needed.
-    pub fn want(&self, cache: &PipelineCache, pass: Pass, glaucoma: bool) {
-        let key = (pass, glaucoma && pass.knows_glaucoma());
-        let mut queued = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        queued.entry(key).or_insert_with(|| queue(cache, key));
-    }
-
-    /// Which passes exist, and in which form: (pass, with glaucoma).
+    /// Which passes exist, and in which form: (pass, for a field with losses).
     pub fn keys(&self) -> Vec<(Pass, bool)> {
         let queued = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        queued.keys().copied().collect()
+        queued
+            .keys()
+            .map(|(pass, field_loss, _)| (*pass, *field_loss))
+            .collect()
     }
 
-    fn get(
-        &self,
-        cache: &PipelineCache,
-        pass: Pass,
-        glaucoma: bool,
-    ) -> (BindGroupLayoutDescriptor, Id) {
-        self.want(cache, pass, glaucoma);
-        let queued = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = &queued[&(pass, glaucoma && pass.knows_glaucoma())];
+    /// Asks for a pass, so that it is built before it is needed.
+    fn get(&self, cache: &PipelineCache, key: Key) -> (BindGroupLayoutDescriptor, Id) {
+        let mut queued = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = queued.entry(key).or_insert_with(|| queue(cache, key));
         (found.layout.clone(), found.id)
     }
 
@@ -266,10 +269,11 @@ impl Pipelines {
         device: &RenderDevice,
         cache: &'a PipelineCache,
         pass: Pass,
-        glaucoma: bool,
+        field_loss: bool,
         bound: &[(u32, BindingResource<'_>)],
     ) -> Option<(&'a ComputePipeline, BindGroup)> {
-        let (layout, id) = self.get(cache, pass, glaucoma);
+        let key = key_of(pass, field_loss, TextureFormat::Rgba8UnormSrgb);
+        let (layout, id) = self.get(cache, key);
         let Id::Compute(id) = id else { return None };
         Some((
             cache.get_compute_pipeline(id)?,
@@ -277,15 +281,16 @@ impl Pipelines {
         ))
     }
 
-    /// The picture's pipeline once it is built, with these resources bound.
+    /// The picture's pipeline for a target of this format once it is built, with these resources bound.
     pub fn present<'a>(
         &self,
         device: &RenderDevice,
         cache: &'a PipelineCache,
-        glaucoma: bool,
+        field_loss: bool,
+        format: TextureFormat,
         bound: &[(u32, BindingResource<'_>)],
     ) -> Option<(&'a RenderPipeline, BindGroup)> {
-        let (layout, id) = self.get(cache, Pass::Present, glaucoma);
+        let (layout, id) = self.get(cache, key_of(Pass::Present, field_loss, format));
         let Id::Render(id) = id else { return None };
         Some((
             cache.get_render_pipeline(id)?,
@@ -294,14 +299,20 @@ impl Pipelines {
     }
 
     /// Are these passes all built?
-    pub fn are_ready(&self, cache: &PipelineCache, passes: &[Pass], glaucoma: bool) -> bool {
+    pub fn are_ready(
+        &self,
+        cache: &PipelineCache,
+        passes: &[Pass],
+        field_loss: bool,
+        format: TextureFormat,
+    ) -> bool {
         // Every one is asked for, so that they are built together.
-        let missing = passes
-            .iter()
-            .filter(|&&pass| match self.get(cache, pass, glaucoma).1 {
+        let missing = passes.iter().filter(|&&pass| {
+            match self.get(cache, key_of(pass, field_loss, format)).1 {
                 Id::Compute(id) => cache.get_compute_pipeline(id).is_none(),
                 Id::Render(id) => cache.get_render_pipeline(id).is_none(),
-            });
+            }
+        });
         missing.count() == 0
     }
 }
@@ -322,10 +333,10 @@ fn bind(
     device.create_bind_group(None, &cache.get_bind_group_layout(layout), &entries)
 }
 
-fn queue(cache: &PipelineCache, (pass, glaucoma): (Pass, bool)) -> Queued {
-    let layout = pass.layout(glaucoma);
-    let shader_defs: Vec<ShaderDefVal> = if glaucoma {
-        vec!["GLAUCOMA".into()]
+fn queue(cache: &PipelineCache, (pass, field_loss, format): Key) -> Queued {
+    let layout = pass.layout(field_loss);
+    let shader_defs: Vec<ShaderDefVal> = if field_loss {
+        vec!["FIELD_LOSS".into()]
     } else {
         Vec::new()
     };
@@ -346,7 +357,7 @@ fn queue(cache: &PipelineCache, (pass, glaucoma): (Pass, bool)) -> Queued {
                 shader_defs,
                 entry_point,
                 targets: vec![Some(ColorTargetState {
-                    format: TextureFormat::Rgba8UnormSrgb,
+                    format,
                     blend: None,
                     write_mask: ColorWrites::ALL,
                 })],

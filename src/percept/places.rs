@@ -25,7 +25,7 @@ const LARGEST_TANGENT: f32 = 0.5;
 pub fn candidates_of(percept: &Percept, seed: u64) -> Vec<Candidate> {
     let captured = percept.captured();
     let size = captured.size;
-    let half = percept.half_field(size);
+    let half = percept.half_field();
     // Among a few corners an eye would soon have nowhere left to go.
     let chance = if captured.corners.len() < FEWEST_CORNERS {
         shares(seed)
@@ -189,7 +189,7 @@ mod tests {
     }
 
     fn photo(depth_m: PhotoDepth) -> LoadedScene {
-        LoadedScene::Photo(Box::new(PhotoScene {
+        LoadedScene::Photo(Arc::new(PhotoScene {
             name: "p".into(),
             width: 40,
             height: 20,

@@ -3,7 +3,6 @@
 use super::frame::CaptureResult;
 use super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, TABLE_COUNTERS};
 use bevy::math::UVec2;
-use bevy::prelude::Resource;
 use bevy::render::render_resource::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Extent3d, MapMode, Origin3d,
     TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect,
@@ -140,7 +139,7 @@ impl Staging {
 }
 
 /// The one capture that may be on its way.
-#[derive(Resource, Default)]
+#[derive(Default)]
 pub struct Readback {
     staging: Option<Staging>,
 }

@@ -1,13 +1,19 @@
 //! What the view's passes keep on the GPU between frames: the view's textures and buffers, and the
 //! voxel table of the sharpness field.
 
-use super::gpu_data::{TABLE_COUNTERS, TILE, mip_levels, table_slots};
+use super::gpu_data::{
+    CANDIDATE_CAPACITY, FEATURE_COUNTERS, PerceptUniform, TABLE_COUNTERS, TILE, mip_levels,
+    table_slots,
+};
+use super::readback::Readback;
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     Buffer, BufferDescriptor, BufferUsages, Extent3d, Sampler, Texture, TextureDescriptor,
     TextureDimension, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor,
 };
 use bevy::render::renderer::RenderDevice;
+use std::sync::Arc;
 
 /// The voxel table: one tag, home and key a slot.
 pub(super) struct Table {
@@ -30,24 +36,77 @@ pub(super) struct View {
     pub(super) blur_px: Buffer,
     pub(super) tile_near: Buffer,
 }
-/// What the passes keep between frames.
-#[derive(Resource, Default)]
-pub struct PerceptGpu {
-    pub(super) uniform: Option<Buffer>,
-    pub(super) sampler: Option<Sampler>,
-    pub(super) feature_counters: Option<Buffer>,
-    pub(super) candidates: Option<Buffer>,
+/// What the passes of one camera's view keep between frames.
+pub(super) struct ViewGpu {
+    /// Numbers of the frame that is shown, and of the capture: both may run in one submission.
+    pub(super) uniform: Buffer,
+    pub(super) capture_uniform: Buffer,
+    pub(super) feature_counters: Buffer,
+    pub(super) candidates: Buffer,
     pub(super) view: Option<View>,
     pub(super) table: Option<Table>,
-    pub(super) field: Option<(u64, TextureView)>,
-    /// Is the picture drawn in this frame, how large is the panel's image, and how large was the one
-    /// that was drawn last?
+    pub(super) field: Option<(Arc<Vec<f32>>, TextureView)>,
+    /// Is the picture drawn in this frame, how large is the target's image and of what format, and how
+    /// large was the one that was drawn last?
     pub(super) present: bool,
     pub(super) target: UVec2,
+    pub(super) format: TextureFormat,
     pub(super) presented: UVec2,
     pub(super) captured: u64,
+    /// Voxels in the table at most.
     pub(super) occupied: u32,
+    pub(super) readback: Readback,
+    /// Captures recorded since the one that the read-back holds.
+    pub(super) unread: u32,
 }
+
+impl ViewGpu {
+    pub(super) fn new(device: &RenderDevice) -> Self {
+        let uniform = |label| {
+            buffer(
+                device,
+                label,
+                size_of::<PerceptUniform>() as u64,
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            )
+        };
+        Self {
+            uniform: uniform("percept"),
+            capture_uniform: uniform("percept_capture"),
+            feature_counters: buffer(
+                device,
+                "feature_counters",
+                FEATURE_COUNTERS as u64 * 4,
+                STORAGE,
+            ),
+            candidates: buffer(
+                device,
+                "candidates",
+                u64::from(CANDIDATE_CAPACITY) * 16,
+                STORAGE,
+            ),
+            view: None,
+            table: None,
+            field: None,
+            present: false,
+            target: UVec2::ZERO,
+            format: TextureFormat::Rgba8UnormSrgb,
+            presented: UVec2::ZERO,
+            captured: 0,
+            occupied: 0,
+            readback: Readback::default(),
+            unread: 0,
+        }
+    }
+}
+
+/// What the passes keep between frames, by the camera's entity in the render world.
+#[derive(Resource, Default)]
+pub struct PerceptGpu {
+    pub(super) sampler: Option<Sampler>,
+    pub(super) views: HashMap<Entity, ViewGpu>,
+}
+
 pub(super) fn buffer(
     device: &RenderDevice,
     label: &'static str,
@@ -136,17 +195,25 @@ impl View {
         })
     }
 }
-pub(super) fn table_is_new(gpu: &PerceptGpu) -> bool {
+pub(super) fn table_is_new(gpu: &ViewGpu) -> bool {
     gpu.occupied == 0
 }
+/// Slots of a memory above which it begins anew rather than grow: 12 bytes each, so 200 MB.
+const MOST_SLOTS: u32 = 1 << 24;
 /// A table with room for another view; the old one, if its voxels have to move into it.
 pub(super) fn make_room(
-    gpu: &mut PerceptGpu,
+    gpu: &mut ViewGpu,
     device: &RenderDevice,
     size: UVec2,
     forget: bool,
 ) -> Option<Table> {
     if forget {
+        gpu.table = None;
+        gpu.occupied = 0;
+    }
+    let slots = table_slots(gpu.occupied, size.x * size.y);
+    if slots > MOST_SLOTS && gpu.table.is_some() {
+        // Who walks on and on forgets where she began.
         gpu.table = None;
         gpu.occupied = 0;
     }

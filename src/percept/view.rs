@@ -1,47 +1,42 @@
-//! The view in the main world: when it is captured, and what each frame of it shows.
+//! The view of one camera in the main world: when it is captured, and what each frame of it shows.
 
 use super::frame::{
     CaptureRequest, CaptureResult, CaptureSource, FieldMap, PerceptFrame, PerceptReturn,
-    SceneCamera,
 };
 use super::gpu_data::{FORGET, PerceptUniform, default_voxel_angle_rad, pixels_per_radian};
-use super::places::{candidates_of, direction_of, distance_m, unseen_places};
-use super::sharpness_field::SharpnessClock;
-use super::visual_field::VisualField;
-use crate::anatomy::{Eyelids, GazeController, Glaucoma, Lens, Pupil, SharpnessField};
-use crate::app::session::PatientMarker;
-use crate::app::{Panels, Session, SimulationClock};
-use crate::motion::{Candidates, visual_field};
-use crate::readiness::Readiness;
-use crate::scene::catalog::LoadedScene;
-use crate::scene::model::{EyePlacement, SceneModel};
-use crate::scene::photo_view::photo_images;
-use crate::scene::spawn::{
-    SCENE_LAYER, ScenePart, ambient, anisotropy, mean_luminance, spawn_model,
-};
+use super::memory::SharpnessField;
+use super::places::{candidates_of, direction_of, distance_m};
+use super::sees_as::{SeesAs, Worn};
+use super::sight::SceneChanges;
+use crate::anatomy::{Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, Pupil, Refraction, VisualField};
+use crate::frame::readiness::Readiness;
+use crate::frame::{Panel, SimulationClock};
+use crate::motion::{Candidates, GazeController};
+use crate::scene::photo::PhotoScene;
+use crate::scene::photo_view::{Photograph, photo_images};
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{CameraMainTextureUsages, ClearColorConfig, Exposure, Hdr, RenderTarget};
-use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::camera::{ImageRenderTarget, RenderTarget};
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
-use bevy::render::render_resource::{TextureFormat, TextureUsages};
-use bevy::render::renderer::RenderAdapterInfo;
+use bevy::render::render_resource::TextureFormat;
 use std::sync::Arc;
-use wgpu_types::DeviceType;
 
-/// Near plane of the scene camera, m: a page held before the eye is still drawn.
+/// Near plane of a view's camera, m: a page held before the eye is still drawn.
 pub const NEAR_M: f32 = 0.02;
 /// Largest side of the scene's picture that every device takes.
 const LARGEST_TEXTURE: u32 = 8192;
 /// Below this opening of the lids nothing new is seen.
 const SEEING_APERTURE: f64 = 0.25;
-/// Brightness of the picture against its mean luminance: the mean becomes this shade of grey.
-const MIDDLE_GREY: f64 = 0.30;
+/// Frames without a pipeline under way after which what is drawn is whole.
+const QUIET_FRAMES: usize = 3;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
 
-/// What the user chooses about the view.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+/// What a user chooses about a view, on its camera.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct ViewOptions {
     /// Draw a ring where the eye looks?
     pub marker: bool,
@@ -50,6 +45,9 @@ pub struct ViewOptions {
     /// Scene texels a view pixel along each axis, 1 to 4. The picture of a view is drawn once, so
     /// it may be drawn well; a software rasteriser makes even that once a wait.
     pub supersampling: u32,
+    /// Factor on what the camera's own exposure leaves, before the output transform; a photograph
+    /// is shown as it is.
+    pub exposure: f32,
 }
 
 impl Default for ViewOptions {
@@ -58,6 +56,7 @@ impl Default for ViewOptions {
             marker: false,
             threshold: 20,
             supersampling: 2,
+            exposure: 1.0,
         }
     }
 }
@@ -74,27 +73,77 @@ enum Stage {
     Done,
 }
 
-/// The view's state.
-#[derive(Resource, Default)]
+/// A photograph as it was laid out for a view.
+#[derive(Debug)]
+struct LaidOut {
+    photo: Arc<PhotoScene>,
+    colour: Handle<Image>,
+    vergence: Handle<Image>,
+    /// Tangent of half the angle that the view's smaller side spans.
+    tan_half: f32,
+}
+
+/// From where, and how wide, a view looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Sight {
+    /// World from camera, without its scale.
+    pose: Isometry3d,
+    /// Tangents of half the field.
+    half: Vec2,
+    /// Near plane, m.
+    near_m: f32,
+}
+
+/// The state of the view of one camera.
+#[derive(Component, Debug)]
 pub struct Percept {
     stage: Stage,
     serial: u64,
     size: UVec2,
-    scene_version: u64,
-    restarts: u64,
     scale: u32,
-    forget_scene: bool,
     waited: u32,
+    /// What is seen is another scene: nothing remembered applies, and time waits for it.
+    is_new: bool,
+    /// Captured while something was not built yet: to be captured again.
+    is_unfinished: bool,
+    /// Captured while the answer to an earlier capture was on its way: its own will not come.
+    is_unread: bool,
     forget: bool,
-    photo: Option<(Handle<Image>, Handle<Image>)>,
-    placement: EyePlacement,
-    clock: SharpnessClock,
-    clock_s: f64,
-    epoch: u64,
+    lifetime: u64,
+    photo: Option<LaidOut>,
+    sight: Sight,
+    /// Where the eye was when the memory began: the origin of its voxels, m.
+    origin: Vec3,
     field: Option<FieldMap>,
-    field_of: Option<crate::anatomy::PatientFile>,
     shown: Option<PerceptUniform>,
     captured: CaptureResult,
+    captured_half: Vec2,
+    returned: PerceptReturn,
+}
+
+impl Default for Percept {
+    fn default() -> Self {
+        Self {
+            stage: Stage::Wanted,
+            serial: 0,
+            size: UVec2::ZERO,
+            scale: 1,
+            waited: 0,
+            is_new: true,
+            is_unfinished: false,
+            is_unread: false,
+            forget: false,
+            lifetime: 0,
+            photo: None,
+            sight: Sight::default(),
+            origin: Vec3::ZERO,
+            field: None,
+            shown: None,
+            captured: CaptureResult::default(),
+            captured_half: Vec2::ONE,
+            returned: PerceptReturn::default(),
+        }
+    }
 }
 
 impl Percept {
@@ -108,21 +157,24 @@ impl Percept {
         self.stage == Stage::Done
     }
 
-    /// Tangents of half the field of a view of this size: the scene's angle spans its smaller side.
-    pub fn half_field(&self, size: UVec2) -> Vec2 {
-        let half = (0.5 * self.placement.vertical_fov_deg.to_radians()).tan();
-        let aspect = size.x as f32 / size.y as f32;
-        if aspect >= 1.0 {
-            Vec2::new(half * aspect, half)
-        } else {
-            Vec2::new(half, half / aspect)
-        }
+    /// Tangents of half the field of the captured view.
+    pub fn half_field(&self) -> Vec2 {
+        self.captured_half
+    }
+
+    /// What is before the camera is another scene, of which nothing is remembered; to be called after
+    /// it was put there.
+    pub fn begin_scene(&mut self) {
+        self.stage = Stage::Wanted;
+        self.size = UVec2::ZERO;
+        self.is_new = true;
+        self.photo = None;
     }
 
     /// Direction (azimuth, elevation, rad) and distance (m) of a place of the view, in its pixels.
     pub fn look_at(&self, place: Vec2) -> (f64, f64, f64) {
         let size = self.captured.size;
-        let (azimuth, elevation) = direction_of(place, size, self.half_field(size));
+        let (azimuth, elevation) = direction_of(place, size, self.captured_half);
         let pixel = place
             .clamp(Vec2::ZERO, (size.as_vec2() - 1.0).max(Vec2::ZERO))
             .as_uvec2();
@@ -130,224 +182,233 @@ impl Percept {
         let vergence = self.captured.vergence_d.get(at).copied().unwrap_or(0.0);
         (azimuth, elevation, distance_m(vergence))
     }
+
+    fn ask(&mut self) {
+        self.stage = Stage::Asked;
+        self.serial += 1;
+        self.is_unread = false;
+        self.waited = 0;
+        self.captured_half = self.sight.half;
+    }
+
+    /// Has the capture that was asked for last been recorded?
+    fn is_recorded(&self) -> bool {
+        self.returned.recorded() >= self.serial
+    }
 }
 
-/// Unit direction of gaze in the view's frame.
-fn gaze_direction(azimuth_rad: f64, elevation_rad: f64) -> [f32; 3] {
-    [
-        (azimuth_rad.sin() * elevation_rad.cos()) as f32,
-        elevation_rad.sin() as f32,
-        (-azimuth_rad.cos() * elevation_rad.cos()) as f32,
-    ]
-}
-
-type OldScene = Or<(With<ScenePart>, With<SceneCamera>)>;
-
-/// Spawns the scene that is looked at, when it changes.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are the stores that it fills"
-)]
-pub fn load_scene(
-    session: Res<Session>,
-    readiness: Res<Readiness>,
-    adapter: Option<Res<RenderAdapterInfo>>,
-    mut percept: ResMut<Percept>,
-    old: Query<Entity, OldScene>,
+/// Takes in finished captures: candidates for the eye, distances for the user's pointer.
+pub(super) fn receive(
+    mut views: Query<(&SeesAs, &mut Percept, Option<&Panel>)>,
+    mut people: Query<(&GazeController, Option<&mut Candidates>)>,
+    finder: EyeFinder,
+    mut clock: ResMut<SimulationClock>,
     mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    mut images: ResMut<Assets<Image>>,
 ) {
-    if percept.scene_version == session.scene_version {
-        return;
-    }
-    percept.scene_version = session.scene_version;
-    percept.stage = Stage::Wanted;
-    percept.size = UVec2::ZERO;
-    percept.forget_scene = true;
-    percept.photo = None;
-    for entity in &old {
-        commands.entity(entity).despawn();
-    }
-    readiness.restart();
-    match &*session.scene {
-        LoadedScene::Model(model) => {
-            percept.placement = model.eye;
-            let device = adapter.map_or(DeviceType::Other, |adapter| adapter.device_type);
-            spawn_model(
-                model,
-                anisotropy(device),
-                &mut commands,
-                &mut meshes,
-                &mut materials,
-                &mut images,
-            );
-            commands.spawn(scene_camera(model));
-        }
-        LoadedScene::Photo(photo) => {
-            percept.placement = EyePlacement {
-                vertical_fov_deg: photo.vertical_fov_deg,
-                ..EyePlacement::default()
-            };
-        }
-    }
-}
-
-fn scene_camera(model: &SceneModel) -> impl Bundle {
-    let (color, brightness) = ambient(model);
-    let eye = Vec3::from(model.eye.position_m);
-    let background = model.background;
-    // Bevy's exposure is 1 / (1.2 · 2^EV): choose it so that the picture holds luminance itself
-    // over the mean, which half floats resolve.
-    let unit = mean_luminance(model);
-    let scaled = |c: f32| c / unit;
-    (
-        SceneCamera,
-        Camera3d {
-            depth_texture_usages: (TextureUsages::RENDER_ATTACHMENT
-                | TextureUsages::TEXTURE_BINDING)
-                .into(),
-            ..default()
-        },
-        Camera {
-            order: -1,
-            is_active: false,
-            clear_color: ClearColorConfig::Custom(Color::linear_rgb(
-                scaled(background[0]),
-                scaled(background[1]),
-                scaled(background[2]),
-            )),
-            ..default()
-        },
-        Hdr,
-        Exposure {
-            ev100: (unit / 1.2).log2(),
-        },
-        CameraMainTextureUsages::default(),
-        AmbientLight {
-            color,
-            brightness,
-            ..default()
-        },
-        Msaa::Off,
-        Tonemapping::None,
-        // One tap of four texels: a browser may run on a software rasteriser, and cannot say so.
-        #[cfg(target_arch = "wasm32")]
-        bevy::light::ShadowFilteringMethod::Hardware2x2,
-        Transform::from_translation(eye)
-            .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up)),
-        RenderLayers::layer(SCENE_LAYER),
-    )
-}
-
-/// Takes in a finished capture: candidates for the eye, distances for the user's pointer.
-pub fn receive(
-    returned: Res<PerceptReturn>,
-    session: Res<Session>,
-    mut percept: ResMut<Percept>,
-    mut candidates: ResMut<Candidates>,
-    mut clock: ResMut<SimulationClock>,
-) {
-    let Some(result) = returned.take() else {
-        return;
-    };
-    if result.serial != percept.serial || percept.stage != Stage::Asked {
-        return;
-    }
-    percept.captured = result;
-    percept.stage = Stage::Done;
-    percept.forget_scene = false;
-    percept.shown = None;
-    candidates.list = candidates_of(&percept, session.seed);
-    let middle = percept.captured.size.as_vec2() * 0.5;
-    candidates.ahead_distance_m = percept.look_at(middle).2;
-    candidates.version += 1;
-    clock.ready = true;
-}
-
-type SceneCameraParts<'a> = (&'a mut Camera, &'a mut Projection, &'a mut RenderTarget);
-
-/// Asks for a capture when scene or size changed, as soon as everything that it shows is built.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are what it reads and drives"
-)]
-pub fn drive_capture(
-    panels: Res<Panels>,
-    session: Res<Session>,
-    readiness: Res<Readiness>,
-    options: Res<ViewOptions>,
-    returned: Res<PerceptReturn>,
-    mut clock: ResMut<SimulationClock>,
-    mut candidates: ResMut<Candidates>,
-    mut percept: ResMut<Percept>,
-    mut images: ResMut<Assets<Image>>,
-    mut camera: Query<SceneCameraParts, With<SceneCamera>>,
-) {
-    let size = panels.view.size;
-    if !panels.view.visible {
-        // Candidates only matter to an eye that looks about by itself; it may do so unseen, but
-        // the very first view is needed for the clock to start.
-        for (mut camera, _, _) in &mut camera {
-            camera.is_active = false;
-        }
-        if !clock.ready && readiness.quiet_frames() >= 3 {
-            // An eye that is shown alone still looks about; no pass of the view runs for it.
-            (candidates.list, candidates.ahead_distance_m) =
-                unseen_places(&session.scene, session.seed);
-            candidates.version += 1;
-            clock.ready = true;
-        }
-        return;
-    }
-    let scale = supersampling(size, &options);
-    if percept.size != size || percept.scale != scale {
-        percept.size = size;
-        percept.scale = scale;
-        percept.stage = Stage::Wanted;
-        percept.waited = 0;
-        readiness.restart();
-        match &*session.scene {
-            LoadedScene::Model(_) => {
-                let picture = images.add(picture_image(size * scale));
-                let half = percept.half_field(size);
-                for (_, mut projection, mut target) in &mut camera {
-                    *target = RenderTarget::Image(picture.clone().into());
-                    *projection = Projection::Perspective(PerspectiveProjection {
-                        fov: 2.0 * half.y.atan(),
-                        near: NEAR_M,
-                        far: 1000.0,
-                        ..default()
-                    });
+    let mut told = HashSet::new();
+    let mut is_waiting = false;
+    let mut has_come = false;
+    for (sees, mut percept, panel) in &mut views {
+        if let Some(result) = percept.returned.take()
+            && result.serial > percept.captured.serial
+            && percept.stage != Stage::Wanted
+        {
+            let is_last = result.serial == percept.serial;
+            // The answer to the last one would have been on its way by now.
+            percept.is_unread = !is_last && percept.is_recorded();
+            percept.captured = result;
+            if is_last && percept.stage == Stage::Asked {
+                percept.stage = Stage::Done;
+                percept.is_new = false;
+                percept.shown = None;
+            }
+            has_come = true;
+            // Who is seen through by several cameras chooses by the first.
+            if let Some((_, patient)) = finder.find(sees.0)
+                && told.insert(patient)
+                && let Ok((controller, candidates)) = people.get_mut(patient)
+            {
+                let middle = percept.captured.size.as_vec2() * 0.5;
+                let found = Candidates {
+                    list: candidates_of(&percept, controller.seed()),
+                    ahead_distance_m: percept.look_at(middle).2,
+                };
+                match candidates {
+                    Some(mut candidates) => *candidates = found,
+                    None => {
+                        commands.entity(patient).insert(found);
+                    }
                 }
             }
-            LoadedScene::Photo(photo) => {
-                let (colour, vergence, half_vertical) = photo_images(photo, size);
-                // Cropping to the panel's shape narrows the field.
-                percept.placement.vertical_fov_deg = half_vertical;
-                percept.photo = Some((images.add(colour), images.add(vergence)));
-            }
         }
+        is_waiting |= percept.is_new && panel.is_none_or(|panel| panel.visible);
     }
-    // The camera draws twice: once so that its pipelines are asked for, once for the capture.
-    if percept.stage == Stage::Wanted && readiness.quiet_frames() >= 3 {
-        percept.stage = Stage::Asked;
-        percept.serial += 1;
-        percept.waited = 0;
-    } else {
-        percept.waited += 1;
+    if has_come && !is_waiting {
+        clock.ready = true;
     }
-    let drawing = match percept.stage {
-        Stage::Wanted => percept.waited <= 2,
-        // Until it is recorded: its pipelines may be late. The answer takes longer.
-        Stage::Asked => returned.recorded() < percept.serial,
-        Stage::Done => false,
-    };
-    for (mut camera, _, _) in &mut camera {
+}
+
+/// A world in which nobody sees has nothing to wait for but its pipelines.
+pub(super) fn start_unseen(
+    views: Query<(), With<SeesAs>>,
+    readiness: Res<Readiness>,
+    mut clock: ResMut<SimulationClock>,
+) {
+    if !clock.ready && views.is_empty() && readiness.quiet_frames() >= QUIET_FRAMES {
+        clock.ready = true;
+    }
+}
+
+/// The parts of a camera that a capture needs.
+type Capturing<'a> = (
+    &'a Worn,
+    &'a ViewOptions,
+    &'a GlobalTransform,
+    Option<&'a Panel>,
+    Option<&'a Photograph>,
+    Option<&'a RenderLayers>,
+    Ref<'a, Projection>,
+    &'a mut Percept,
+    &'a mut Camera,
+    &'a mut RenderTarget,
+);
+
+/// Asks for captures where size, sight or scene have changed, as soon as everything that they show is
+/// built.
+pub(super) fn drive_captures(
+    readiness: Res<Readiness>,
+    changes: Res<SceneChanges>,
+    mut images: ResMut<Assets<Image>>,
+    mut views: Query<Capturing, With<SeesAs>>,
+) {
+    for (worn, options, transform, panel, photo, layers, projection, mut percept, mut camera, mut target) in
+        &mut views
+    {
+        let size = worn.size();
+        let visible = panel.is_none_or(|panel| panel.visible) && size != UVec2::ZERO;
+        let drawing = visible && {
+            let percept = &mut *percept;
+            let is_resized = lay_out(percept, photo, size, options, &readiness, &mut images, &mut target);
+            let sight = sight_of(percept, transform, &projection);
+            let is_photo = percept.photo.is_some();
+            let has_changed = is_resized
+                || (!is_photo && (sight != percept.sight || changes.touch(layers)));
+            percept.sight = sight;
+            let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
+            drive(percept, has_changed, quiet) && !is_photo
+        };
         if camera.is_active != drawing {
             camera.is_active = drawing;
         }
+    }
+}
+
+/// Gives a view its size and its photograph; says whether it has another picture of the size that it had.
+fn lay_out(
+    percept: &mut Percept,
+    photo: Option<&Photograph>,
+    size: UVec2,
+    options: &ViewOptions,
+    readiness: &Readiness,
+    images: &mut Assets<Image>,
+    target: &mut RenderTarget,
+) -> bool {
+    let scale = match photo {
+        Some(_) => 1,
+        None => supersampling(size, options),
+    };
+    let is_same_photo = match (photo, &percept.photo) {
+        (Some(photo), Some(laid)) => Arc::ptr_eq(&photo.0, &laid.photo),
+        (photo, laid) => photo.is_none() && laid.is_none(),
+    };
+    let is_resized = percept.size != size || percept.scale != scale;
+    if !is_resized && is_same_photo {
+        return false;
+    }
+    percept.size = size;
+    percept.scale = scale;
+    match photo {
+        None => {
+            percept.photo = None;
+            *target = RenderTarget::Image(ImageRenderTarget {
+                handle: images.add(picture_image(size * scale)),
+                scale_factor: scale as f32,
+            });
+        }
+        Some(photo) => {
+            let (colour, vergence, smaller_deg) = photo_images(&photo.0, size);
+            percept.photo = Some(LaidOut {
+                photo: photo.0.clone(),
+                colour: images.add(colour),
+                vergence: images.add(vergence),
+                tan_half: (0.5 * smaller_deg.to_radians()).tan(),
+            });
+        }
+    }
+    if is_resized {
+        percept.stage = Stage::Wanted;
+        percept.waited = 0;
+        readiness.restart();
+    }
+    !is_resized
+}
+
+/// From where and how wide a view looks now.
+fn sight_of(percept: &Percept, transform: &GlobalTransform, projection: &Projection) -> Sight {
+    let size = percept.size.as_vec2();
+    let aspect = size.x / size.y;
+    let half = match (&percept.photo, projection) {
+        (Some(laid), _) => Vec2::new(aspect.max(1.0), (1.0 / aspect).max(1.0)) * laid.tan_half,
+        (None, Projection::Perspective(lens)) => {
+            let up = (0.5 * lens.fov).tan();
+            Vec2::new(up * aspect, up)
+        }
+        // An eye has no other projection; what such a camera draws is taken for one of 60°.
+        (None, _) => {
+            warn_once!("a camera that sees as an eye does must be perspective");
+            let up = (0.5 * 60f32.to_radians()).tan();
+            Vec2::new(up * aspect, up)
+        }
+    };
+    let near_m = match projection {
+        Projection::Perspective(lens) => lens.near,
+        _ => NEAR_M,
+    };
+    Sight {
+        pose: transform.to_isometry(),
+        half,
+        near_m,
+    }
+}
+
+/// The next step of a view's capture; says whether its camera draws in this frame.
+fn drive(percept: &mut Percept, has_changed: bool, quiet: bool) -> bool {
+    match percept.stage {
+        // The camera draws twice: once so that its pipelines are asked for, once for the capture.
+        Stage::Wanted if quiet => {
+            if percept.is_new {
+                percept.origin = percept.sight.pose.translation.into();
+            }
+            percept.ask();
+        }
+        Stage::Wanted => percept.waited += 1,
+        Stage::Asked if (has_changed || percept.is_unread) && percept.is_recorded() => percept.ask(),
+        Stage::Asked => percept.captured_half = percept.sight.half,
+        Stage::Done if has_changed => {
+            percept.is_unfinished = !quiet;
+            percept.ask();
+        }
+        Stage::Done if percept.is_unfinished && quiet => {
+            percept.is_unfinished = false;
+            percept.ask();
+        }
+        Stage::Done => {}
+    }
+    match percept.stage {
+        Stage::Wanted => percept.waited <= 2,
+        // Until it is recorded: its pipelines may be late. The answer takes longer.
+        Stage::Asked => !percept.is_recorded(),
+        Stage::Done => false,
     }
 }
 
@@ -364,157 +425,182 @@ fn picture_image(size: UVec2) -> Image {
     image
 }
 
-/// What of the patient decides what is seen.
-type SeeingParts<'a> = (
-    &'a GazeController,
+/// What of an eye decides what it sees.
+type SeeingEye<'a> = (
+    &'a Gaze,
     &'a Pupil,
-    &'a Lens,
-    &'a Eyelids,
-    &'a SharpnessField,
-    Option<&'a Glaucoma>,
+    &'a Accommodation,
+    &'a Refraction,
+    &'a Cornea,
+    &'a Iris,
+    Option<Ref<'a, VisualField>>,
 );
 
-/// The frame of the view: what the passes are to do, if anything.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are what it reads"
-)]
-pub fn perceive(
-    panels: Res<Panels>,
-    session: Res<Session>,
+/// What of a person decides what her eyes see.
+type Seer<'a> = (&'a Eyelids, &'a SharpnessField, &'a GazeController);
+
+/// The frame of every view: what the passes are to do, if anything.
+pub(super) fn perceive(
     clock: Res<SimulationClock>,
-    options: Res<ViewOptions>,
     readiness: Res<Readiness>,
-    mut percept: ResMut<Percept>,
-    patient: Query<SeeingParts, With<PatientMarker>>,
-    mut commands: Commands,
+    finder: EyeFinder,
+    eyes: Query<SeeingEye>,
+    people: Query<Seer>,
+    mut views: Query<(
+        &SeesAs,
+        &Worn,
+        Option<&Panel>,
+        &ViewOptions,
+        &mut Percept,
+        &mut PerceptFrame,
+    )>,
 ) {
-    let Ok((gaze, pupil, lens, lids, field, glaucoma)) = patient.single() else {
-        return;
-    };
-    let percept = &mut *percept;
-    if percept.restarts != session.restarts {
-        percept.restarts = session.restarts;
-        percept.clock = SharpnessClock::default();
-        percept.clock_s = 0.0;
-        percept.epoch = 0;
+    let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
+    for (sees, worn, panel, options, mut percept, mut frame) in &mut views {
+        let found = finder.find(sees.0).and_then(|(eye, patient)| {
+            Some((eyes.get(eye).ok()?, people.get(patient).ok()?))
+        });
+        let (Some((eye, person)), Some(target)) = (found, worn.image()) else {
+            *frame = PerceptFrame::default();
+            continue;
+        };
+        let shows = Shows {
+            visible: panel.is_none_or(|panel| panel.visible) && worn.size() != UVec2::ZERO,
+            size: worn.size(),
+            moved: clock.moved,
+            quiet,
+        };
+        *frame = frame_of(&mut percept, &shows, options, eye, person, target);
+    }
+}
+
+/// What of panel and clock decides a frame.
+struct Shows {
+    visible: bool,
+    size: UVec2,
+    moved: bool,
+    quiet: bool,
+}
+
+fn frame_of(
+    percept: &mut Percept,
+    shows: &Shows,
+    options: &ViewOptions,
+    (gaze, pupil, accommodation, refraction, cornea, iris, field): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (lids, memory, controller): <Seer<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    target: &Handle<Image>,
+) -> PerceptFrame {
+    if percept.lifetime != memory.lifetime() {
+        percept.lifetime = memory.lifetime();
         percept.forget = true;
         percept.shown = None;
     }
-    let mut rebase_steps = FORGET;
-    let passed = (clock.time_s - percept.clock_s).max(0.0);
-    percept.clock_s = clock.time_s;
-    if let Some(rebase) = percept.clock.advance(passed, field.starve_rate_per_s) {
-        rebase_steps = rebase.steps;
-    }
-    while percept.epoch < lids.blink_epoch {
-        percept.epoch += 1;
-        if percept.clock.blink().is_some() {
-            percept.forget = true;
-        }
-    }
-    percept.epoch = percept.epoch.min(lids.blink_epoch);
-    update_field_map(percept, &session, glaucoma.is_some());
-
+    update_field_map(percept, field.as_ref());
     let size = percept.captured.size;
     // Until a panel of another size has its own capture, it shows the old one.
     let stands_in = percept.stage == Stage::Wanted
         && percept.captured.serial == percept.serial
         && size != UVec2::ZERO
-        && size != panels.view.size
-        && !percept.forget_scene;
-    let drawn = if stands_in { size } else { panels.view.size };
-    let mut uniform = static_uniform(percept, drawn, &options);
-    uniform.target_size = panels.view.size.as_vec2().to_array();
-    uniform.fixation = gaze_direction(gaze.azimuth_rad, gaze.elevation_rad);
-    uniform.focus_vergence_d = lens.accommodation_d as f32;
-    uniform.refraction_d = lens.spherical_equivalent_d as f32;
-    uniform.pupil_m = (pupil.diameter_mm * 1e-3) as f32;
+        && size != shows.size
+        && !percept.is_new;
+    // What has changed but in size is captured and shown in the same frame.
+    let follows = percept.stage == Stage::Asked && size == shows.size && !percept.is_new;
+    let (drawn, half) = if stands_in {
+        (size, percept.captured_half)
+    } else {
+        (shows.size, percept.sight.half)
+    };
+    let mut uniform = static_uniform(percept, drawn, half, options);
+    uniform.target_size = shows.size.as_vec2().to_array();
+    uniform.fixation = gaze.direction().as_vec3().to_array();
+    uniform.focus_vergence_d = accommodation.response_d as f32;
+    uniform.refraction_d = refraction.spherical_equivalent_d() as f32;
+    let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.depth_mm);
+    uniform.pupil_m = (entrance_mm * 1e-3) as f32;
     uniform.lid_aperture = lids.aperture as f32;
-    uniform.epoch = u32::from(percept.clock.epoch());
-    uniform.starve_steps = percept.clock.starve_steps();
-    uniform.rebase_steps = rebase_steps;
-    uniform.coc_cap_rad = field.blur_cap_rad as f32;
-    uniform.voxel_size_m = field.voxel_m as f32;
+    uniform.epoch = u32::from(memory.clock().epoch());
+    uniform.starve_steps = memory.clock().starve_steps();
+    uniform.rebase_steps = memory.rebase_steps();
+    uniform.coc_cap_rad = memory.blur_cap_rad as f32;
+    uniform.voxel_size_m = memory.voxel_m as f32;
     if options.marker && !stands_in {
-        place_marker(&mut uniform, gaze, panels.view.size);
+        place_marker(&mut uniform, gaze, shows.size);
     }
-    if glaucoma.is_some() {
-        glaucoma_numbers(&mut uniform, &session);
+    if let Some(field) = field.filter(|field| !field.is_whole()) {
+        loss_numbers(&mut uniform, &field);
     }
 
-    let visible = panels.view.visible;
-    if rebase_steps != FORGET && !(visible && percept.stage == Stage::Done) {
+    let visible = shows.visible;
+    if uniform.rebase_steps != FORGET && !(visible && percept.stage == Stage::Done) {
         // Nobody will shift the old keys now, and unshifted they would read as perfectly sharp.
         percept.forget = true;
     }
     if percept.forget {
         uniform.rebase_steps = FORGET;
     }
-    let captured = percept.stage == Stage::Done && size == panels.view.size;
-    let capture = (visible && percept.stage == Stage::Asked).then(|| CaptureRequest {
+    let captured = percept.stage == Stage::Done && size == shows.size;
+    let is_asked = visible && percept.stage == Stage::Asked && !percept.is_recorded();
+    let capture = is_asked.then(|| CaptureRequest {
         serial: percept.serial,
         source: match &percept.photo {
-            Some((colour, vergence)) => CaptureSource::Photo {
-                colour: colour.clone(),
-                vergence: vergence.clone(),
+            Some(laid) => CaptureSource::Photo {
+                colour: laid.colour.clone(),
+                vergence: laid.vergence.clone(),
             },
             None => CaptureSource::Scene,
         },
-        forget: percept.forget_scene,
+        forget: percept.is_new,
     });
-    // During a saccade vision is suppressed, and behind closed lids there is none.
-    if readiness.quiet_frames() < 3 {
+    if !shows.quiet {
         // A pass whose pipeline is not built yet is skipped, so what was asked for may not be shown.
         percept.shown = None;
     }
     let first = percept.shown.is_none();
-    // A new view is looked at once all the same, or its voxels that an older view left unseen would
-    // stand between those that it saw.
-    let seeing = lids.aperture > SEEING_APERTURE && (!gaze.in_saccade || first);
-    let changed = percept.shown.as_ref() != Some(&uniform);
+    // During a saccade vision is suppressed, and behind closed lids there is none. A new view is looked
+    // at once all the same, or its voxels that an older view left unseen would stand between those that
+    // it saw.
+    let seeing = lids.aperture > SEEING_APERTURE && (!controller.state().in_saccade || first);
+    let changed = percept.shown.as_ref() != Some(&uniform) || capture.is_some();
     let frame = PerceptFrame {
         visible,
-        update: visible && captured && (clock.moved || first) && seeing,
-        present: visible && (captured || stands_in) && (changed || percept.forget),
-        forget: captured && percept.forget,
+        update: visible && (captured || follows) && (shows.moved || first) && seeing,
+        present: visible && (captured || stands_in || follows) && (changed || percept.forget),
+        forget: (captured || follows) && percept.forget,
         uniform,
         capture,
-        glaucoma: percept.field.clone(),
-        target: panels.view.image.clone(),
+        field_loss: percept.field.clone(),
+        target: target.clone(),
+        returned: percept.returned.clone(),
     };
     if frame.present {
         percept.shown = Some(uniform);
         percept.forget = false;
     }
-    commands.insert_resource(frame);
+    frame
 }
 
-fn static_uniform(percept: &Percept, size: UVec2, options: &ViewOptions) -> PerceptUniform {
-    let half = percept.half_field(size);
-    let forward = Vec3::from(percept.placement.forward).normalize_or(Vec3::NEG_Z);
-    let right = forward
-        .cross(Vec3::from(percept.placement.up))
-        .normalize_or(Vec3::X);
-    let up = right.cross(forward);
+fn static_uniform(
+    percept: &Percept,
+    size: UVec2,
+    half: Vec2,
+    options: &ViewOptions,
+) -> PerceptUniform {
+    let pose = &percept.sight.pose;
     let pixels = pixels_per_radian(size.x, half.x);
     let photo = percept.photo.is_some();
-    // A picture of a scene holds luminance over its mean; a photograph is shown as it is.
-    let exposure = if photo { 1.0 } else { MIDDLE_GREY as f32 };
+    // A picture of a scene holds what the camera's exposure leaves; a photograph is shown as it is.
+    let exposure = if photo { 1.0 } else { options.exposure };
+    let eye = Vec3::from(pose.translation) - percept.origin;
     PerceptUniform {
-        right: right.to_array(),
+        right: (pose.rotation * Vec3::X).to_array(),
         tan_half_fov_x: half.x,
-        up: up.to_array(),
+        up: (pose.rotation * Vec3::Y).to_array(),
         tan_half_fov_y: half.y,
-        back: (-forward).to_array(),
-        near_m: NEAR_M,
-        eye_m: [0.0; 3],
+        back: (pose.rotation * Vec3::Z).to_array(),
+        near_m: percept.sight.near_m,
+        eye_m: eye.to_array(),
         size: size.to_array(),
-        supersampling: if photo {
-            1
-        } else {
-            supersampling(size, options)
-        },
+        supersampling: percept.scale,
         fast_threshold: u32::from(options.threshold),
         pixels_per_radian: pixels,
         voxel_angle_rad: default_voxel_angle_rad(pixels),
@@ -527,8 +613,8 @@ fn static_uniform(percept: &Percept, size: UVec2, options: &ViewOptions) -> Perc
     }
 }
 
-fn place_marker(uniform: &mut PerceptUniform, gaze: &GazeController, size: UVec2) {
-    let [x, y, z] = gaze_direction(gaze.azimuth_rad, gaze.elevation_rad);
+fn place_marker(uniform: &mut PerceptUniform, gaze: &Gaze, size: UVec2) {
+    let [x, y, z] = gaze.direction().as_vec3().to_array();
     if z < -0.05 {
         let u = x / -z / uniform.tan_half_fov_x;
         let v = y / -z / uniform.tan_half_fov_y;
@@ -540,34 +626,28 @@ fn place_marker(uniform: &mut PerceptUniform, gaze: &GazeController, size: UVec2
     }
 }
 
-/// What glaucoma adds beyond the lost field itself (Nießner 2013, section 3: the penalty).
-fn glaucoma_numbers(uniform: &mut PerceptUniform, session: &Session) {
-    let factor = visual_field(&session.patient).map_or(1.0, |field| field.glaucoma_factor());
+/// What a lost field adds beyond what is not seen (Nießner 2013, section 3: the penalty).
+fn loss_numbers(uniform: &mut PerceptUniform, field: &VisualField) {
     // The healthy slope is one minute of arc in E2; the uniform adds what exceeds it.
     let slope = uniform.neural_floor_rad / uniform.eccentricity_e2_rad;
-    uniform.eccentricity_penalty = (factor as f32 - 1.0).max(0.0) * slope;
+    uniform.eccentricity_penalty = (field.eccentricity_factor() as f32 - 1.0).max(0.0) * slope;
     uniform.loss_blur_rad = 1.6_f32.to_radians();
     uniform.loss_darkening = 0.28;
     uniform.loss_desaturation = 0.5;
 }
 
-fn update_field_map(percept: &mut Percept, session: &Session, wanted: bool) {
-    if !wanted {
+fn update_field_map(percept: &mut Percept, field: Option<&Ref<VisualField>>) {
+    let Some(field) = field.filter(|field| !field.is_whole()) else {
         percept.field = None;
-        percept.field_of = None;
-        return;
-    }
-    if percept.field_of.as_ref() == Some(&session.patient) {
-        return;
-    }
-    let Some(field) = visual_field(&session.patient) else {
         return;
     };
-    percept.field_of = Some(session.patient.clone());
+    if percept.field.as_ref().is_some_and(|map| *map.of == **field) {
+        return;
+    }
     percept.field = Some(FieldMap {
-        version: percept.field.as_ref().map_or(1, |map| map.version + 1),
+        of: Arc::new((**field).clone()),
         side: FIELD_SIDE,
-        seen: Arc::new(field_texels(&field)),
+        seen: Arc::new(field_texels(field)),
     });
 }
 
@@ -589,8 +669,8 @@ mod tests {
 
     #[test]
     fn the_field_map_has_the_highest_row_first_and_left_first() {
-        let field = VisualField::glaucoma(
-            crate::anatomy::GlaucomaStage::Moderate,
+        let field = crate::conditions::glaucoma::glaucoma_field(
+            crate::conditions::GlaucomaStage::Moderate,
             crate::anatomy::Laterality::OD,
             60.0,
         );

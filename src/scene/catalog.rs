@@ -9,6 +9,7 @@ use super::photo::{PhotoOptions, PhotoScene, load_photo, read_file};
 use super::picture_file::{READABLE, foreign_format};
 use super::room;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A scene that comes with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,7 +135,7 @@ pub enum LoadedScene {
     /// Triangles.
     Model(Box<SceneModel>),
     /// A photograph.
-    Photo(Box<PhotoScene>),
+    Photo(Arc<PhotoScene>),
 }
 
 impl LoadedScene {
@@ -143,6 +144,14 @@ impl LoadedScene {
         match self {
             Self::Model(model) => &model.name,
             Self::Photo(photo) => &photo.name,
+        }
+    }
+
+    /// Mean luminance of what is seen of it, cd/m².
+    pub fn mean_luminance_cd_m2(&self) -> f64 {
+        match self {
+            Self::Model(model) => model.mean_luminance_cd_m2,
+            Self::Photo(photo) => photo.mean_luminance_cd_m2,
         }
     }
 
@@ -222,7 +231,7 @@ impl SceneSource {
             }
             Self::Photo { path, bytes, depth } => {
                 let photo = load_photo(bytes, path, depth.as_deref(), options)?;
-                Ok(LoadedScene::Photo(Box::new(photo)))
+                Ok(LoadedScene::Photo(Arc::new(photo)))
             }
         }
     }

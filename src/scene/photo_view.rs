@@ -3,10 +3,16 @@
 
 use super::photo::PhotoScene;
 use bevy::asset::RenderAssetUsages;
+use bevy::ecs::component::Component;
 use bevy::image::Image;
 use bevy::math::{UVec2, Vec2};
+use std::sync::Arc;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use half::f16;
+
+/// The photograph that a camera looks at in place of what stands before it in the world.
+#[derive(Component, Clone, Debug)]
+pub struct Photograph(pub Arc<PhotoScene>);
 
 /// Tangent of half the widest angle that a panel spans so that all of a photograph is in it (60°): of a
 /// longer strip the ends are cut off.

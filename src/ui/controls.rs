@@ -5,7 +5,7 @@ mod chosen;
 use super::pictures::bars;
 use super::state::{Controlled, GazeMode, UiState};
 use super::{OwnScene, Request, Saved};
-use crate::app::SessionCommand;
+use crate::stage::SessionCommand;
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
 use bevy_egui::egui::{self, Ui};
@@ -45,22 +45,21 @@ pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: 
 
 fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.separator();
-    let clock = &mut controlled.clock;
     ui.horizontal(|ui| {
-        let label = if clock.paused { "▶ Run" } else { "⏸ Pause" };
+        let label = if controlled.clock.paused { "▶ Run" } else { "⏸ Pause" };
         if ui.button(label).clicked() {
-            clock.paused = !clock.paused;
+            controlled.clock.paused = !controlled.clock.paused;
         }
         if ui
             .button("Step")
             .on_hover_text("one sixtieth of a second, then pause")
             .clicked()
         {
-            clock.paused = true;
-            clock.steps += 1;
+            controlled.clock.paused = true;
+            controlled.clock.steps += 1;
         }
         if ui.button("Restart").clicked() {
-            let seed = state.seed.trim().parse().unwrap_or(controlled.session.seed);
+            let seed = state.seed.trim().parse().unwrap_or_else(|_| controlled.seed());
             controlled
                 .session_commands
                 .write(SessionCommand::Restart(seed));
@@ -74,7 +73,7 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         let valid = state.seed.trim().parse::<u64>();
         if field.lost_focus()
             && let Ok(seed) = valid
-            && seed != controlled.session.seed
+            && seed != controlled.seed()
         {
             controlled
                 .session_commands
@@ -89,7 +88,7 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         );
     }
     let slider = ui.add(
-        egui::Slider::new(&mut clock.speed, 0.05..=4.0)
+        egui::Slider::new(&mut controlled.clock.speed, 0.05..=4.0)
             .logarithmic(true)
             .suffix("×")
             .text("speed"),
@@ -107,8 +106,8 @@ fn gaze(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         ui.selectable_value(&mut state.gaze, GazeMode::Fixed, "fixed");
     });
     if state.gaze != before {
-        if let Some(motion) = &controlled.motion {
-            let now = &motion.state;
+        if let Some(controller) = controlled.view.controller() {
+            let now = controller.state();
             state.fixed_at = (
                 now.fixation_azimuth_rad,
                 now.fixation_elevation_rad,
@@ -122,15 +121,18 @@ fn gaze(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         if ui.button("Blink").clicked() {
             controlled.motion_commands.write(MotionCommand::Blink);
         }
-        ui.checkbox(&mut controlled.options.marker, "show where it looks");
+        let mut marker = controlled.view.options().marker;
+        if ui.checkbox(&mut marker, "show where it looks").changed() {
+            controlled.set_marker(marker);
+        }
     });
 }
 
 fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     let now = controlled
-        .motion
-        .as_ref()
-        .map_or(4.0, |motion| motion.state.pupil_mm);
+        .view
+        .controller()
+        .map_or(4.0, |controller| controller.state().pupil_mm);
     let mut held = state.held_pupil_mm.is_some();
     let mut diameter = state.held_pupil_mm.unwrap_or(now);
     ui.horizontal(|ui| {
@@ -157,15 +159,14 @@ fn panels(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.separator();
     ui.horizontal(|ui| {
         ui.label("Show");
-        ui.checkbox(&mut controlled.panels.eye.visible, "the eye");
-        ui.checkbox(&mut controlled.panels.view.visible, "its view");
+        let mut shown = controlled.panels.shown();
+        ui.checkbox(&mut shown[0], "the eye");
+        ui.checkbox(&mut shown[1], "its view");
+        controlled.panels.show(shown);
     });
     ui.horizontal(|ui| {
         ui.label("Save PNG");
-        let shown = [
-            controlled.panels.eye.visible,
-            controlled.panels.view.visible,
-        ];
+        let shown = controlled.panels.shown();
         for (name, saved, can) in [
             ("eye", Saved::Eye, shown[0]),
             ("view", Saved::View, shown[1]),
@@ -189,20 +190,20 @@ fn panels(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         ui.label("Eye from");
         for (name, azimuth_deg) in [("front", 0.0), ("30°", 30.0), ("60°", 60.0)] {
             if ui.button(name).clicked() {
-                *controlled.orbit = EyeOrbit {
+                controlled.view.set_orbit(EyeOrbit {
                     azimuth_deg,
                     ..EyeOrbit::default()
-                };
+                });
             }
         }
     });
 }
 
 fn numbers(ui: &mut Ui, controlled: &Controlled) {
-    let Some(motion) = &controlled.motion else {
+    let Some(controller) = controlled.view.controller() else {
         return;
     };
-    let state = &motion.state;
+    let state = controller.state();
     ui.separator();
     egui::Grid::new("numbers").num_columns(2).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
@@ -226,7 +227,11 @@ fn numbers(ui: &mut Ui, controlled: &Controlled) {
         row("blinks", state.blink_epoch.to_string());
         row(
             "candidates",
-            controlled.percept.captured().corners.len().to_string(),
+            controlled
+                .view
+                .percept()
+                .map_or(0, |percept| percept.captured().corners.len())
+                .to_string(),
         );
     });
 }

@@ -1,11 +1,12 @@
 //! The link of what is shown: read when the app starts or the link changes, and written as things change.
 
 use super::state::{Controlled, GazeMode, Shown, UiState};
-use crate::app::link::GAZE_NEAREST_M;
-use crate::app::link::{LinkGaze, LinkState};
-use crate::app::{Session, SessionCommand, SimulationClock};
+use super::link_state::GAZE_NEAREST_M;
+use super::link_state::{LinkGaze, LinkState};
+use crate::frame::SimulationClock;
+use crate::stage::{Restarted, Session, SessionCommand};
 use crate::motion::MotionCommand;
-use crate::motion::gaze::GazeAngles;
+use crate::anatomy::gaze::GazeAngles;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use bevy::prelude::*;
 
@@ -41,15 +42,15 @@ pub fn is_own(scene: &LoadedScene) -> bool {
 
 /// What is shown now, as a link says it. A user's own scene is left out.
 pub(super) fn current(state: &UiState, app: &Shown) -> LinkState {
-    let (session, clock) = (&app.session, &app.clock);
+    let clock = &app.clock;
     let (azimuth_rad, elevation_rad, distance_m) = state.fixed_at;
     // What is looked at may be farther aside than the eye turns.
     let at = GazeAngles::new(azimuth_rad, elevation_rad).within_range();
     LinkState {
-        patient: session.patient.clone(),
-        scene: built_in(&session.scene).unwrap_or(BuiltIn::Room),
-        seed: session.seed,
-        shown: [app.panels.eye.visible, app.panels.view.visible],
+        patient: app.patient().unwrap_or_default(),
+        scene: built_in(&app.stage.scene).unwrap_or(BuiltIn::Room),
+        seed: app.seed(),
+        shown: app.panels.shown(),
         gaze: match state.gaze {
             GazeMode::Auto => LinkGaze::Auto,
             GazeMode::Follow => LinkGaze::Follow,
@@ -60,9 +61,9 @@ pub(super) fn current(state: &UiState, app: &Shown) -> LinkState {
             },
         },
         held_pupil_mm: state.held_pupil_mm,
-        orbit: *app.orbit,
+        orbit: app.view.orbit(),
         speed: clock.speed,
-        marker: app.options.marker,
+        marker: app.view.options().marker,
         paused_at_s: clock.paused.then_some(clock.time_s),
     }
 }
@@ -74,10 +75,9 @@ fn adopt(
     controlled: &mut Controlled,
     still: &mut StandStill,
 ) {
-    controlled.panels.eye.visible = wanted.shown[0];
-    controlled.panels.view.visible = wanted.shown[1];
-    *controlled.orbit = wanted.orbit.clamped();
-    controlled.options.marker = wanted.marker;
+    controlled.panels.show(wanted.shown);
+    controlled.view.set_orbit(wanted.orbit);
+    controlled.set_marker(wanted.marker);
     controlled.clock.speed = wanted.speed;
     controlled.clock.paused = wanted.paused_at_s.is_some();
     still.0 = wanted.paused_at_s;
@@ -115,15 +115,14 @@ pub(super) fn start(
 
 /// After every restart gaze goes where the controls say, and a clock that is to stand still does.
 pub(super) fn keep_promises(
-    session: Res<Session>,
+    mut restarted: MessageReader<Restarted>,
     mut state: ResMut<UiState>,
     mut clock: ResMut<SimulationClock>,
     mut still: ResMut<StandStill>,
     mut motion_commands: MessageWriter<MotionCommand>,
-    mut restarts: Local<Option<u64>>,
+    mut has_begun: Local<bool>,
 ) {
-    if *restarts != Some(session.restarts) {
-        *restarts = Some(session.restarts);
+    if restarted.read().count() > 0 || !std::mem::replace(&mut *has_begun, true) {
         if state.gaze != GazeMode::Auto {
             // Who follows the pointer stays where it was until it moves.
             state.followed = None;
@@ -145,13 +144,13 @@ pub(super) fn keep_promises(
 fn obey(link: &str, state: &mut UiState, controlled: &mut Controlled, still: &mut StandStill) {
     let (wanted, refused) = LinkState::parse(link);
     state.message = (!refused.is_empty()).then(|| refused.join(" "));
-    if controlled.session.patient != wanted.patient {
+    if controlled.patient().as_ref() != Some(&wanted.patient) {
         let patient = Box::new(wanted.patient.clone());
         controlled
             .session_commands
             .write(SessionCommand::Patient(patient));
     }
-    if built_in(&controlled.session.scene) != Some(wanted.scene) {
+    if built_in(&controlled.stage.scene) != Some(wanted.scene) {
         controlled.show_built_in(wanted.scene, state);
     }
     controlled
@@ -173,7 +172,7 @@ pub(super) fn read_page(
     mut controlled: Controlled,
     mut still: ResMut<StandStill>,
 ) {
-    let there = crate::app::host::fragment();
+    let there = super::host::fragment();
     if written.0.as_ref().is_some_and(|ours| *ours != there) {
         obey(&there, &mut state, &mut controlled, &mut still);
         // Whoever reads it has it; what of it could not be obeyed goes with the next writing.
@@ -197,9 +196,9 @@ pub(super) fn write_page(
     }
     let wanted = current(&state, &app).to_fragment();
     if *last != wanted {
-        crate::app::host::replace_fragment(&wanted);
+        super::host::replace_fragment(&wanted);
         // As the browser gives it back, so that its own encoding is no change.
-        written.0 = Some(crate::app::host::fragment());
+        written.0 = Some(super::host::fragment());
         *last = wanted;
     }
 }

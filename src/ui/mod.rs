@@ -5,8 +5,11 @@
 
 mod arrangement;
 mod controls;
+pub mod host;
 mod link;
+pub mod link_state;
 mod own;
+pub mod own_files;
 mod pictures;
 mod power;
 mod save;
@@ -22,10 +25,12 @@ pub use save::Saved;
 use state::Shown;
 pub use state::{Controlled, GazeMode, UiState};
 
-use crate::anatomy::PRESETS;
-use crate::app::host::{self, Clipboard};
-use crate::app::own_files::Placement;
-use crate::app::{EyeSystems, Panels, Session, SessionCommand};
+use crate::patients::PRESETS;
+use crate::frame::EyeSystems;
+use crate::patients::PatientFile;
+use crate::stage::{Panels, SessionCommand};
+use host::Clipboard;
+use own_files::Placement;
 use arrangement::{ControlsPlace, arrange, has_room, zoom_for};
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
@@ -76,7 +81,7 @@ impl Plugin for UiPlugin {
             .add_systems(
                 Update,
                 (
-                    state::describe_patient.run_if(resource_changed::<Session>),
+                    state::describe_patient,
                     state::look_for_something,
                 )
                     .after(EyeSystems::Sense),
@@ -109,16 +114,16 @@ impl Plugin for UiPlugin {
     }
 }
 
-fn register_pictures(panels: Res<Panels>, mut textures: ResMut<EguiUserTextures>) {
-    for panel in [&panels.eye, &panels.view] {
+fn register_pictures(panels: Panels, mut textures: ResMut<EguiUserTextures>) {
+    for panel in [panels.eye(), panels.view()] {
         textures.add_image(EguiTextureHandle::Strong(panel.image.clone()));
     }
 }
 
 /// Which built-in patient is shown, if it is one.
-fn preset_shown(session: &Session) -> Option<usize> {
+fn preset_shown(shown: &PatientFile) -> Option<usize> {
     PRESETS.iter().position(|preset| {
-        crate::anatomy::load_patient(preset.name).is_ok_and(|patient| patient == session.patient)
+        crate::patients::load_patient(preset.name).is_ok_and(|patient| patient == *shown)
     })
 }
 
@@ -179,7 +184,7 @@ fn keyboard(
         clock.steps += 1;
     }
     if keys.just_pressed(KeyCode::KeyR) {
-        let seed = controlled.session.seed;
+        let seed = controlled.seed();
         controlled
             .session_commands
             .write(SessionCommand::Restart(seed));
@@ -188,7 +193,8 @@ fn keyboard(
         state.toggle_controls = true;
     }
     if keys.just_pressed(KeyCode::KeyM) {
-        controlled.options.marker = !controlled.options.marker;
+        let marker = controlled.view.options().marker;
+        controlled.set_marker(!marker);
     }
     for (key, shown) in [
         (KeyCode::Digit1, [true, false]),
@@ -196,10 +202,7 @@ fn keyboard(
         (KeyCode::KeyB, [true, true]),
     ] {
         if keys.just_pressed(key) {
-            [
-                controlled.panels.eye.visible,
-                controlled.panels.view.visible,
-            ] = shown;
+            controlled.panels.show(shown);
         }
     }
 }
@@ -219,7 +222,7 @@ fn copied_notice(app: &Shown) -> String {
     } else {
         "A command line that shows this is copied"
     };
-    if link::built_in(&app.session.scene).is_some() {
+    if link::built_in(&app.stage.scene).is_some() {
         format!("{what}.")
     } else {
         format!("{what}; your own scene is not in it, as it stays on this machine.")
@@ -235,8 +238,8 @@ fn draw(
     mut styled: Local<Option<bool>>,
 ) -> Result {
     let pictures = [
-        contexts.image_id(&controlled.panels.eye.image),
-        contexts.image_id(&controlled.panels.view.image),
+        contexts.image_id(&controlled.panels.eye().image),
+        contexts.image_id(&controlled.panels.view().image),
     ];
     let context = contexts.ctx_mut()?.clone();
     state.touch |= context.input(|input| input.any_touches());

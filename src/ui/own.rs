@@ -1,9 +1,9 @@
 //! A user's own files: dropped, chosen, read beside the frames, and shown.
 
 use super::state::UiState;
-use crate::app::SessionCommand;
-use crate::app::host::{self, Arrival};
-use crate::app::own_files::{Own, OwnFile, Placement, read_own_files};
+use crate::stage::SessionCommand;
+use super::host::{self, Arrival};
+use super::own_files::{Own, OwnFile, Placement, read_own_files};
 use crate::motion::MotionCommand;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};

@@ -18,10 +18,7 @@ pub fn draw(
     pictures: [Option<TextureId>; 2],
 ) {
     let area = ui.available_rect_before_wrap();
-    let shown = [
-        controlled.panels.eye.visible,
-        controlled.panels.view.visible,
-    ];
+    let shown = controlled.panels.shown();
     state.rectangles = rectangles(area, shown);
     if shown == [false, false] {
         ui.centered_and_justified(|ui| {
@@ -33,7 +30,7 @@ pub fn draw(
     let scale = ui.ctx().pixels_per_point();
     if let Some(rectangle) = state.rectangles[0] {
         resize(
-            &mut controlled.panels.eye,
+            &mut controlled.panels.eye_mut(),
             &mut controlled.images,
             rectangle,
             scale,
@@ -42,7 +39,7 @@ pub fn draw(
     }
     if let Some(rectangle) = state.rectangles[1] {
         resize(
-            &mut controlled.panels.view,
+            &mut controlled.panels.view_mut(),
             &mut controlled.images,
             rectangle,
             scale,
@@ -76,7 +73,7 @@ fn rectangles(area: Rect, shown: [bool; 2]) -> [Option<Rect>; 2] {
 }
 
 fn resize(
-    panel: &mut crate::app::Panel,
+    panel: &mut crate::frame::Panel,
     images: &mut bevy::asset::Assets<bevy::image::Image>,
     rectangle: Rect,
     scale: f32,
@@ -100,7 +97,7 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
     // A drag only: where a click may be meant too, a finger that rests before it moves is no drag.
     let response = ui.interact(rectangle, "eye".into(), Sense::drag());
     paint(ui, picture, rectangle);
-    let mut orbit = *controlled.orbit;
+    let mut orbit = controlled.view.orbit();
     // Two fingers pinch; where they go together is not a drag of one.
     let pinched = ui.input(|input| input.multi_touch());
     if let Some(pinch) = pinched {
@@ -125,10 +122,7 @@ fn eye(ui: &mut Ui, controlled: &mut Controlled, picture: Option<TextureId>, rec
     if is_double_click && response.contains_pointer() {
         orbit = EyeOrbit::default();
     }
-    let orbit = orbit.clamped();
-    if orbit != *controlled.orbit {
-        *controlled.orbit = orbit;
-    }
+    controlled.view.set_orbit(orbit);
 }
 
 /// Seconds for which it is told what went well.
@@ -250,14 +244,13 @@ fn view(
     }
     let target = |at: egui::Pos2| {
         let share = (at - rectangle.min) / rectangle.size();
-        let size = controlled.panels.view.size.as_vec2();
-        controlled
-            .percept
-            .look_at(Vec2::new(share.x * size.x, share.y * size.y))
+        let size = controlled.panels.view().size.as_vec2();
+        let percept = controlled.view.percept()?;
+        Some(percept.look_at(Vec2::new(share.x * size.x, share.y * size.y)))
     };
     let command = if response.clicked() {
-        response.interact_pointer_pos().map(|at| {
-            let (azimuth_rad, elevation_rad, distance_m) = target(at);
+        let at = response.interact_pointer_pos().and_then(target);
+        at.map(|(azimuth_rad, elevation_rad, distance_m)| {
             if state.gaze == GazeMode::Auto {
                 return GazeCommand::LookOnce {
                     azimuth_rad,
@@ -273,9 +266,11 @@ fn view(
         let moved = response
             .hover_pos()
             .filter(|at| state.followed != Some(*at));
-        moved.map(|at| {
+        let place = moved.and_then(|at| {
             state.followed = Some(at);
-            let (azimuth_rad, elevation_rad, distance_m) = target(at);
+            target(at)
+        });
+        place.map(|(azimuth_rad, elevation_rad, distance_m)| {
             state.fixed_at = (azimuth_rad, elevation_rad, distance_m);
             GazeCommand::Follow {
                 azimuth_rad,

@@ -1,8 +1,10 @@
 //! Drawing as finely as the machine can, and not at all while nothing moves.
 
-use crate::app::{Panels, SimulationClock};
-use crate::percept::{Percept, ViewOptions};
-use crate::readiness::Readiness;
+use crate::appearance::EyeQuality;
+use crate::frame::SimulationClock;
+use crate::percept::ViewOptions;
+use crate::stage::{Panels, StageView};
+use crate::frame::readiness::Readiness;
 use bevy::prelude::*;
 use bevy::winit::{UpdateMode, WinitSettings};
 use std::time::Duration;
@@ -12,8 +14,7 @@ pub(super) fn choose_quality(
     time: Res<Time<Real>>,
     clock: Res<SimulationClock>,
     adapter: Option<Res<bevy::render::renderer::RenderAdapterInfo>>,
-    mut quality: ResMut<crate::appearance::EyeQuality>,
-    mut options: ResMut<ViewOptions>,
+    mut view: StageView,
     mut fast_frames: Local<u32>,
     mut decided: Local<bool>,
 ) {
@@ -31,10 +32,12 @@ pub(super) fn choose_quality(
         *decided = true;
         return;
     }
-    quality.set_if_neq(crate::appearance::EyeQuality { msaa: Msaa::Off });
-    if options.supersampling != 1 {
-        options.supersampling = 1;
-    }
+    view.set_quality(EyeQuality { msaa: Msaa::Off });
+    let options = view.options();
+    view.set_options(ViewOptions {
+        supersampling: 1,
+        ..options
+    });
     if clock.ready && !clock.paused {
         *fast_frames = if time.delta_secs() < 0.024 {
             *fast_frames + 1
@@ -43,8 +46,11 @@ pub(super) fn choose_quality(
         };
         if *fast_frames > 90 {
             *decided = true;
-            quality.msaa = Msaa::Sample4;
-            options.supersampling = ViewOptions::default().supersampling;
+            view.set_quality(EyeQuality::default());
+            view.set_options(ViewOptions {
+                supersampling: ViewOptions::default().supersampling,
+                ..options
+            });
         }
     }
 }
@@ -52,8 +58,8 @@ pub(super) fn choose_quality(
 /// While nothing moves, the window waits for input instead of drawing.
 pub(super) fn save_power(
     clock: Res<SimulationClock>,
-    panels: Res<Panels>,
-    percept: Res<Percept>,
+    panels: Panels,
+    view: StageView,
     readiness: Res<Readiness>,
     (own, saving): (Res<super::OwnScene>, Res<super::save::Saving>),
     winit: Option<ResMut<WinitSettings>>,
@@ -67,8 +73,10 @@ pub(super) fn save_power(
         || own.is_busy()
         || saving.is_busy()
         || readiness.quiet_frames() < 5
-        || (panels.view.visible
-            && (!percept.is_captured() || percept.captured().size != panels.view.size));
+        || (panels.view().visible
+            && view.percept().is_none_or(|percept| {
+                !percept.is_captured() || percept.captured().size != panels.view().size
+            }));
     *calm_frames = if busy { 0 } else { *calm_frames + 1 };
     let mode = if *calm_frames > 10 {
         UpdateMode::reactive_low_power(Duration::from_secs(5))

@@ -1,9 +1,10 @@
 //! Saving what is seen: the panels' own pixels as PNG.
 
 use super::state::UiState;
-use crate::app::host;
-use crate::app::picture::{encode_png, from_padded_rows, side_by_side};
-use crate::app::{Panel, Panels};
+use super::host;
+use crate::frame::picture::{encode_png, from_padded_rows, side_by_side};
+use crate::frame::Panel;
+use crate::stage::Panels;
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
@@ -59,9 +60,9 @@ impl Saving {
             return;
         }
         let parts: &[(usize, &Panel)] = match saved {
-            Saved::Eye => &[(0, &panels.eye)],
-            Saved::View => &[(1, &panels.view)],
-            Saved::Both => &[(0, &panels.eye), (1, &panels.view)],
+            Saved::Eye => &[(0, panels.eye())],
+            Saved::View => &[(1, panels.view())],
+            Saved::Both => &[(0, panels.eye()), (1, panels.view())],
         };
         *self = Self {
             wanted: Some(saved),
@@ -83,14 +84,18 @@ impl Saving {
 fn arrived(
     copy: On<ReadbackComplete>,
     copying: Query<&Copying>,
-    panels: Res<Panels>,
+    panels: Panels,
     mut saving: ResMut<Saving>,
     mut commands: Commands,
 ) {
     let Ok(&Copying { part, size }) = copying.get(copy.entity) else {
         return;
     };
-    let now = if part == 0 { &panels.eye } else { &panels.view }.size;
+    let panel = if part == 0 {
+        panels.eye()
+    } else {
+        panels.view()
+    };
     let padded = RenderDevice::align_copy_bytes_per_row(size.x as usize * 4);
     let picture = from_padded_rows(size.x, size.y, padded, &copy.data);
     let whole = copy.data.len() == padded * size.y as usize;
@@ -102,11 +107,13 @@ fn arrived(
         }
         // The panel was resized between the request and the copy: ask again at its new size.
         None => {
-            let panel = if part == 0 { &panels.eye } else { &panels.view };
             commands
                 .spawn((
                     Readback::texture(panel.image.clone()),
-                    Copying { part, size: now },
+                    Copying {
+                        part,
+                        size: panel.size,
+                    },
                 ))
                 .observe(arrived);
         }

@@ -1,13 +1,13 @@
 //! What the controls remember, and everything that they read and command.
 
-use crate::anatomy::{PRESETS, load_patient};
-use crate::app::{Panels, Session, SessionCommand, SimulationClock};
-use crate::appearance::EyeOrbit;
-use crate::ledger::{Work, WorkLedger};
+use crate::patients::{PRESETS, load_patient};
+use crate::frame::SimulationClock;
+use crate::frame::ledger::{Work, WorkLedger};
 use crate::motion::engine::GazeCommand;
-use crate::motion::{Motion, MotionCommand};
-use crate::percept::{Percept, ViewOptions};
+use crate::motion::{GazeController, MotionCommand};
+use crate::patients::{DressedPatient, PatientFile};
 use crate::scene::catalog::{BuiltIn, LoadedScene};
+use crate::stage::{Panels, SessionCommand, Stage, StageView};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::egui;
@@ -94,7 +94,7 @@ impl Default for UiState {
             notice: None,
             rectangles: [None; 2],
             places: BTreeMap::new(),
-            touch: crate::app::host::is_touch(),
+            touch: crate::ui::host::is_touch(),
             work: Work::default(),
             frame_ms: 0.0,
             last_work: Work::default(),
@@ -104,8 +104,17 @@ impl Default for UiState {
 }
 
 /// Describes the patient anew when it is another.
-pub(super) fn describe_patient(session: Res<Session>, mut state: ResMut<UiState>) {
-    let (_, changes) = crate::app::link::changes(&session.patient);
+pub(super) fn describe_patient(
+    app: Shown,
+    mut state: ResMut<UiState>,
+    mut described: Local<Option<PatientFile>>,
+) {
+    let patient = app.patient();
+    if *described == patient {
+        return;
+    }
+    let (_, changes) = super::link_state::changes(&patient.clone().unwrap_or_default());
+    *described = patient;
     let is_renamed = changes.iter().any(|(field, _)| field == "name");
     let changes: Vec<_> = changes
         .iter()
@@ -117,10 +126,13 @@ pub(super) fn describe_patient(session: Res<Session>, mut state: ResMut<UiState>
 
 /// Looks whether there is something in the view, whenever it was captured anew.
 pub(super) fn look_for_something(
-    percept: Res<Percept>,
+    view: StageView,
     mut state: ResMut<UiState>,
     mut serial: Local<u64>,
 ) {
+    let Some(percept) = view.percept() else {
+        return;
+    };
     let captured = percept.captured();
     if *serial != captured.serial {
         *serial = captured.serial;
@@ -130,15 +142,13 @@ pub(super) fn look_for_something(
 
 /// Everything that the controls read and command.
 #[derive(SystemParam)]
-pub struct Controlled<'w> {
-    pub(super) session: Res<'w, Session>,
+pub struct Controlled<'w, 's> {
+    pub(super) stage: Res<'w, Stage>,
     pub(super) clock: ResMut<'w, SimulationClock>,
-    pub(super) panels: ResMut<'w, Panels>,
+    pub(super) panels: Panels<'w, 's>,
     pub(super) images: ResMut<'w, Assets<Image>>,
-    pub(super) orbit: ResMut<'w, EyeOrbit>,
-    pub(super) options: ResMut<'w, ViewOptions>,
-    pub(super) motion: Option<Res<'w, Motion>>,
-    pub(super) percept: Res<'w, Percept>,
+    pub(super) view: StageView<'w, 's>,
+    pub(super) dressed: DressedPatient<'w, 's>,
     pub(super) ledger: Res<'w, WorkLedger>,
     pub(super) session_commands: MessageWriter<'w, SessionCommand>,
     pub(super) motion_commands: MessageWriter<'w, MotionCommand>,
@@ -147,15 +157,45 @@ pub struct Controlled<'w> {
 
 /// What of the app a link says, beside what the controls remember.
 #[derive(SystemParam)]
-pub(super) struct Shown<'w> {
-    pub(super) session: Res<'w, Session>,
+pub(super) struct Shown<'w, 's> {
+    pub(super) stage: Res<'w, Stage>,
     pub(super) clock: Res<'w, SimulationClock>,
-    pub(super) panels: Res<'w, Panels>,
-    pub(super) orbit: Res<'w, EyeOrbit>,
-    pub(super) options: Res<'w, ViewOptions>,
+    pub(super) panels: Panels<'w, 's>,
+    pub(super) view: StageView<'w, 's>,
+    dressed: DressedPatient<'w, 's>,
 }
 
-impl Controlled<'_> {
+impl Shown<'_, '_> {
+    /// The patient as a file would say; `None` before she is there.
+    pub(super) fn patient(&self) -> Option<PatientFile> {
+        self.dressed.file(self.stage.patient)
+    }
+
+    /// Seed of every random choice.
+    pub(super) fn seed(&self) -> u64 {
+        self.view.controller().map_or(1, GazeController::seed)
+    }
+}
+
+impl Controlled<'_, '_> {
+    /// The patient as a file would say; `None` before she is there.
+    pub(super) fn patient(&self) -> Option<PatientFile> {
+        self.dressed.file(self.stage.patient)
+    }
+
+    /// Seed of every random choice.
+    pub(super) fn seed(&self) -> u64 {
+        self.view.controller().map_or(1, GazeController::seed)
+    }
+
+    /// Shows or hides the mark where the eye looks.
+    pub(super) fn set_marker(&mut self, marker: bool) {
+        let options = self.view.options();
+        self.view.set_options(crate::percept::ViewOptions { marker, ..options });
+    }
+}
+
+impl Controlled<'_, '_> {
     /// Shows a built-in scene, or tells why it cannot be built.
     pub(super) fn show_built_in(&mut self, scene: BuiltIn, state: &mut UiState) {
         match scene.build() {

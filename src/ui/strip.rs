@@ -13,7 +13,7 @@ type Series = (&'static str, Color32, fn(&TraceRow) -> f64);
 
 /// Draws the strip.
 pub fn draw(ui: &mut Ui, controlled: &Controlled) {
-    let Some(motion) = &controlled.motion else {
+    let Some(controller) = controlled.view.controller() else {
         return;
     };
     let now = controlled.clock.time_s;
@@ -38,7 +38,7 @@ pub fn draw(ui: &mut Ui, controlled: &Controlled) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
         for (name, colour, value) in &series {
-            let value = motion.strip.back().map(value);
+            let value = controller.strip().back().map(value);
             let value = value.map_or_else(String::new, |value| format!(" {value:.1}"));
             ui.label(
                 RichText::new(format!("{name}{value}"))
@@ -64,8 +64,8 @@ pub fn draw(ui: &mut Ui, controlled: &Controlled) {
         .height(ui.available_height())
         .show(ui, |plot| {
             for (name, color, value) in series {
-                let points: PlotPoints<'_> = motion
-                    .strip
+                let points: PlotPoints<'_> = controller
+                    .strip()
                     .iter()
                     .filter(|row| row.time_s >= now - SPAN_S)
                     .map(|row| [row.time_s, value(row)])

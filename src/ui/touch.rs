@@ -49,7 +49,7 @@ fn hold_back_leave(events: &mut Vec<egui::Event>) -> bool {
 /// Brings up a telephone's keyboard when a field is touched, and puts it away when it is left.
 pub(super) fn raise_keyboard(field: &egui::Response) {
     #[cfg(target_arch = "wasm32")]
-    if crate::app::host::is_telephone() {
+    if crate::ui::host::is_telephone() {
         if field.gained_focus() {
             bevy_egui::text_agent::update_text_agent(true);
         } else if field.lost_focus() {

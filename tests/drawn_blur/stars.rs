@@ -8,7 +8,7 @@
 use super::linear;
 use crate::stage::{alone, look, open, patient, settle, without_blinks};
 use bevy::math::UVec2;
-use ocularium::anatomy::{PatientFile, PupilSetting};
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::app::{Session, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;

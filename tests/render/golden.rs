@@ -8,7 +8,8 @@ use crate::stage::{alone, look, luma_at, open, patient, session, settle, without
 use bevy::math::{Quat, UVec2};
 use image::imageops::crop_imm;
 use image::{Rgba, RgbaImage};
-use ocularium::anatomy::{IrisColor, PatientFile, PupilSetting};
+use ocularium::anatomy::IrisColor;
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::app::SessionCommand;
 use ocularium::appearance::Studio;
 use ocularium::lab::headless::{Headless, Which};

@@ -34,7 +34,7 @@ pub(super) fn on_render_error(
     let is_lost = matches!(error.ty, ErrorType::DeviceLost);
     #[cfg(target_arch = "wasm32")]
     if is_lost {
-        crate::app::host::device_lost(&description);
+        crate::ui::host::device_lost(&description);
     } else {
         crate::app::web::fail(&format!("Drawing failed: {description}"));
     }
@@ -45,9 +45,9 @@ pub(super) fn on_render_error(
                 reason: description,
                 link: crate::ui::link_of(main_world),
                 own_scene: main_world
-                    .get_resource::<crate::app::Session>()
-                    .filter(|session| crate::ui::is_own(&session.scene))
-                    .map(|session| session.scene.name().to_owned()),
+                    .get_resource::<crate::stage::Stage>()
+                    .filter(|stage| crate::ui::is_own(&stage.scene))
+                    .map(|stage| stage.scene.name().to_owned()),
             }
         } else {
             super::WindowError::Drawing(description)

@@ -10,11 +10,28 @@ use glam::{DVec2, DVec3};
 pub fn studio_radiance(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
     let up = smoothstep(0.15, 0.85, 0.5 + 0.5 * d.y);
     let surroundings = xyz(studio.ambient_down).lerp(xyz(studio.ambient_up), up);
-    let angle = d.dot(xyz(studio.fill_direction)).clamp(-1.0, 1.0).acos();
-    let radius = f64::from(studio.fill_direction.w);
+    let fill = round_lamp(
+        d,
+        xyz(studio.fill_direction),
+        studio.fill_direction.w.into(),
+        blur,
+    );
+    let key = if studio.ambient_up.w < 0.5 {
+        let radius = studio.key_direction.w.into();
+        xyz(studio.key_color) * round_lamp(d, xyz(studio.key_direction), radius, blur)
+    } else {
+        window(studio, d, blur)
+    };
+    surroundings + key + xyz(studio.fill_color) * fill
+}
+
+/// Radiance over irradiance / π of a round lamp of angular radius `radius` (rad) about `direction`.
+pub fn round_lamp(d: DVec3, direction: DVec3, radius: f64, blur: f64) -> f64 {
     let edge = blur.max(0.02);
-    let lamp = smoothstep(radius + edge, radius - edge, angle) / (radius * radius);
-    surroundings + window(studio, d, blur) + xyz(studio.fill_color) * lamp
+    let angle = d.dot(direction).clamp(-1.0, 1.0).acos();
+    // The soft edge widens the lamp: its light stays what it was.
+    let spread = radius.max(edge);
+    smoothstep(radius + edge, radius - edge, angle) / (spread * spread)
 }
 
 fn window(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {

@@ -77,7 +77,7 @@ fn fixed_stays_look_once_goes_on_and_the_start_can_be_set() {
     let reached = once
         .fixations()
         .iter()
-        .any(|r| (r.azimuth_rad - crate::motion::gaze::OCULOMOTOR_RANGE_RAD).abs() < 1e-12);
+        .any(|r| (r.azimuth_rad - crate::anatomy::gaze::OCULOMOTOR_RANGE_RAD).abs() < 1e-12);
     assert!(reached, "clamped to the eye's reach");
     assert!(once.state().fixation_index > 10);
 }

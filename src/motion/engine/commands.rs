@@ -5,12 +5,12 @@
 //! pose in which the run begins.
 
 use super::queue::{Event, Target};
-use super::{AHEAD_RAD, Candidate, GazeCurve, Mode, Oculomotor};
+use super::{AHEAD_RAD, Candidate, GazeCurve, Mode, Oculomotor, VERGENCE_TIME_CONSTANT_S};
 use crate::motion::accommodation::{Approach, demand_d};
-use crate::motion::gaze::GazeAngles;
+use crate::anatomy::gaze::GazeAngles;
 use crate::motion::pupil::{Hippus, LIGHT_REFLEX_LATENCY_S, PupilMode};
 use crate::motion::settings::{MotionError, OculomotorSettings, within};
-use crate::percept::visual_field::VisualField;
+use crate::anatomy::visual_field::VisualField;
 
 /// Delay of the pursuit system, s.
 const PURSUIT_DELAY_S: f64 = 0.1;
@@ -273,6 +273,7 @@ impl Oculomotor {
         self.curve = GazeCurve::Hold(target.gaze);
         self.fixation = target;
         self.lens_distance_m = target.distance_m;
+        self.vergence = Approach::rest(1.0 / target.distance_m);
         self.lens = Approach::rest(self.lens_target_d());
         self.pupil = Approach::rest(self.pupil_target_mm());
         self.unrest_mm = Approach::rest(self.unrest_target_mm());
@@ -362,6 +363,11 @@ impl Oculomotor {
             self.plan_departure(target, self.time_s + rest);
             return;
         }
+        self.vergence = self.vergence.turn_to(
+            self.time_s,
+            1.0 / target.distance_m,
+            VERGENCE_TIME_CONSTANT_S,
+        );
         self.curve = GazeCurve::Pursuit {
             from: gaze,
             to: target.gaze,

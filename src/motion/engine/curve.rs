@@ -3,7 +3,7 @@
 //! What enters: directions and times. What leaves: the direction and the speed at a time, as
 //! closed curves along great circles.
 
-use crate::motion::gaze::GazeAngles;
+use crate::anatomy::gaze::GazeAngles;
 use crate::motion::saccade::SaccadeProfile;
 
 /// A closed curve of gaze.

@@ -4,8 +4,8 @@
 //! time come in the order of their kind (commands first), then of their entry, so the order does
 //! not depend on how often the engine was asked to advance.
 
-use crate::motion::gaze::GazeAngles;
-use crate::percept::attention::Candidate;
+use crate::anatomy::gaze::GazeAngles;
+use crate::motion::attention::Candidate;
 
 use super::GazeCommand;
 

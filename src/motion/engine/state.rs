@@ -41,6 +41,8 @@ pub struct OculomotorState {
     pub fixation_elevation_rad: f64,
     /// The same point: distance, m, may be infinite.
     pub fixation_distance_m: f64,
+    /// Inverse of the distance at which the lines of sight of both eyes meet, 1/m.
+    pub vergence_per_m: f64,
     /// Number of the fixation; it grows when the eye departs.
     pub fixation_index: u64,
     /// Response of the lens above its relaxed state, D.

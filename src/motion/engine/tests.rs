@@ -1,7 +1,8 @@
 //! Tests of the engine: independence of the frame rate, laws of timing, commands and extremes.
 
 use super::*;
-use crate::anatomy::{GlaucomaStage, Laterality};
+use crate::anatomy::Laterality;
+use crate::conditions::GlaucomaStage;
 use crate::motion::trace::{TraceRow, write_trace};
 use proptest::prelude::*;
 
@@ -298,7 +299,7 @@ fn without_candidates_the_eye_rests_and_a_lost_field_slows_it() {
         engine.advance_to(60.0);
         engine.state().fixation_index
     };
-    let severe = VisualField::glaucoma(GlaucomaStage::Severe, Laterality::OD, 50.0);
+    let severe = crate::conditions::glaucoma::glaucoma_field(GlaucomaStage::Severe, Laterality::OD, 50.0);
     let (healthy, sick) = (moves(None), moves(Some(severe)));
     println!("fixations in 60 s: healthy {healthy}, severe {sick}");
     assert!(sick < healthy * 9 / 10 && sick > 20, "{sick} of {healthy}");

@@ -3,9 +3,9 @@
 use super::super::link::built_in;
 use super::super::state::{Controlled, UiState};
 use super::super::{OwnScene, Request, preset_shown};
-use crate::anatomy::{PRESETS, load_patient};
-use crate::app::SessionCommand;
-use crate::app::own_files::Placement;
+use crate::patients::{PRESETS, load_patient};
+use crate::stage::SessionCommand;
+use super::super::own_files::Placement;
 use crate::motion::MotionCommand;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::scene::depth_file::DepthUnit;
@@ -15,15 +15,18 @@ use std::sync::Arc;
 
 /// The list of patients, by their titles.
 pub fn patient(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
+    let Some(shown) = controlled.patient() else {
+        return;
+    };
     let mut chosen = None;
     ui.horizontal(|ui| {
         ui.label("Patient");
         let list = egui::ComboBox::from_id_salt("patient")
-            .selected_text(controlled.session.patient.name.as_str())
+            .selected_text(shown.name.as_str())
             .width((ui.available_width() - 12.0).max(80.0))
             .truncate()
             .show_ui(ui, |ui| {
-                let shown = preset_shown(&controlled.session);
+                let shown = preset_shown(&shown);
                 for (index, title) in state.titles.iter().enumerate() {
                     if ui.selectable_label(shown == Some(index), title).clicked() {
                         chosen = Some(index);
@@ -32,8 +35,8 @@ pub fn patient(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             });
         state.places.insert("patients", list.response.rect);
     });
-    if !controlled.session.patient.description.is_empty() {
-        ui.weak(controlled.session.patient.description.as_str());
+    if !shown.description.is_empty() {
+        ui.weak(shown.description.as_str());
     }
     if !state.changes.is_empty() {
         ui.label(format!("Changed: {}", state.changes));
@@ -55,13 +58,13 @@ pub fn patient(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
 
 /// The list of scenes, by their titles, and what there is to know about how a user's own was read.
 pub fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
-    let shown = built_in(&controlled.session.scene);
+    let shown = built_in(&controlled.stage.scene);
     let mut chosen = None;
     ui.horizontal(|ui| {
         ui.label("Scene");
         let title = match shown {
             Some(scene) => scene.title().to_owned(),
-            None => file_name(controlled.session.scene.name()),
+            None => file_name(controlled.stage.scene.name()),
         };
         egui::ComboBox::from_id_salt("scene")
             .selected_text(title)
@@ -76,7 +79,7 @@ pub fn scene(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
                 }
             });
     });
-    for remark in controlled.session.scene.remarks() {
+    for remark in controlled.stage.scene.remarks() {
         ui.weak(remark);
     }
     if controlled.clock.ready && state.nothing_in_view {
@@ -101,17 +104,19 @@ pub fn placement(
     controlled: &mut Controlled,
     own: &mut OwnScene,
 ) {
-    match &*Arc::clone(&controlled.session.scene) {
+    // Another scene is another allocation.
+    let scene_id = Arc::as_ptr(&controlled.stage.scene).addr();
+    match &*Arc::clone(&controlled.stage.scene) {
         LoadedScene::Photo(photo) => {
-            if let Some(stood) = photograph(ui, state, photo, controlled.session.scene_version) {
-                controlled.show_scene(LoadedScene::Photo(Box::new(stood)));
+            if let Some(stood) = photograph(ui, state, photo, scene_id) {
+                controlled.show_scene(LoadedScene::Photo(Arc::new(stood)));
             }
             if photo.depth_m.constant_m().is_none() && own.files.is_some() {
                 let asked = depth(
                     ui,
                     state,
                     own.placement.photo,
-                    controlled.session.scene_version,
+                    scene_id,
                 );
                 if let Some(asked) = asked {
                     controlled.requests.write(Request::ReadAgain(Placement {
@@ -125,7 +130,7 @@ pub fn placement(
             }
         }
         LoadedScene::Model(_)
-            if own.files.is_some() && built_in(&controlled.session.scene).is_none() =>
+            if own.files.is_some() && built_in(&controlled.stage.scene).is_none() =>
         {
             ui.horizontal_wrapped(|ui| {
                 ui.label("Its unit");
@@ -153,11 +158,11 @@ fn photograph(
     ui: &mut Ui,
     state: &mut UiState,
     photo: &PhotoScene,
-    version: u64,
+    scene_id: usize,
 ) -> Option<PhotoScene> {
     let stands = (photo.depth_m.constant_m(), photo.vertical_fov_deg);
     // Another photograph begins where it stands itself.
-    let id = egui::Id::new(("photo placement", version));
+    let id = egui::Id::new(("photo placement", scene_id));
     let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(stands);
     let mut settled = false;
     let mut slide = |name: &'static str, slider: egui::Slider| {
@@ -190,9 +195,9 @@ fn depth(
     ui: &mut Ui,
     state: &mut UiState,
     read: PhotoOptions,
-    version: u64,
+    scene_id: usize,
 ) -> Option<PhotoOptions> {
-    let id = egui::Id::new(("depth image", version));
+    let id = egui::Id::new(("depth image", scene_id));
     let mut wanted = ui.data(|data| data.get_temp(id)).unwrap_or(read);
     let mut settled = false;
     ui.horizontal_wrapped(|ui| {

@@ -9,9 +9,9 @@ mod patient;
 
 pub use patient::changes;
 
-use crate::anatomy::{PRESETS, PatientFile, load_patient};
+use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::appearance::EyeOrbit;
-use crate::motion::gaze::GazeAngles;
+use crate::anatomy::gaze::GazeAngles;
 use crate::scene::catalog::BuiltIn;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::fmt::Write;
@@ -315,7 +315,7 @@ impl LinkState {
 }
 
 fn known_preset(value: &str) -> Result<&'static str, String> {
-    crate::anatomy::preset(value).map_or_else(
+    crate::patients::preset(value).map_or_else(
         || {
             let known: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
             Err(format!(

@@ -3,7 +3,8 @@
 //! Enters: files with their names, as they came together. Leaves: a patient or a scene, or the
 //! sentence that says what is wrong with them.
 
-use crate::anatomy::{PatientFile, parse_patient};
+use std::sync::Arc;
+use crate::patients::{PatientFile, parse_patient};
 use crate::scene::catalog::{FileKind, LoadedScene, other_format};
 use crate::scene::gltf_file::{Beside, load_gltf_among};
 use crate::scene::photo::{PhotoOptions, load_photo_bytes};
@@ -95,7 +96,7 @@ pub fn read_own_files(files: &[OwnFile], placement: &Placement) -> Result<Own, S
     };
     let depth = depth.map(|depth| (depth.bytes.as_slice(), depth.name.as_str()));
     load_photo_bytes(&photo.bytes, &photo.name, depth, &placement.photo)
-        .map(|photo| Own::Scene(LoadedScene::Photo(Box::new(photo))))
+        .map(|photo| Own::Scene(LoadedScene::Photo(Arc::new(photo))))
         .map_err(|error| error.to_string())
 }
 

@@ -1,19 +1,22 @@
-//! The visual field: what an eye sees where, healthy or with glaucoma.
+//! The visual field: what an eye sees where, whole or with losses.
 //!
-//! What enters: a direction relative to the line of sight, the eye's side, its owner's age and a
-//! stage of glaucoma. What leaves: sensitivity in dB, the chance that a feature there is noticed,
-//! the mean deviation, and the blur that comes with eccentricity. The normal field is the 24-2
-//! table of 91 controls (open SUNY-IU data, age 50, −0.061 dB a year), continued along each
-//! meridian to the field's border; the loss follows the nerve-fibre paths of
-//! [`nerve_fibre`] (Jansonius et al. 2009), because glaucoma kills bundles, not places.
+//! What enters: a direction relative to the line of sight, the eye's side, its owner's age and the
+//! losses that conditions cause. What leaves: sensitivity in dB, the chance that a feature there is
+//! noticed, the mean deviation, and the blur that comes with eccentricity. The normal field is the
+//! 24-2 table of 91 controls (open SUNY-IU data, age 50, −0.061 dB a year), continued along each
+//! meridian to the field's border; losses are even, or follow the nerve-fibre paths of
+//! [`nerve_fibre`] (Jansonius et al. 2009).
 //!
 //! Field coordinates are the perimetrist's: eccentricity and meridian in degrees, x to the
 //! patient's right, y up. Tables are for OD; OS is its mirror image.
 
 pub mod nerve_fibre;
 
-use crate::anatomy::{GlaucomaStage, Laterality};
-use crate::motion::gaze::GazeAngles;
+use super::Laterality;
+use super::gaze::GazeAngles;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::prelude::Component;
+use bevy::reflect::Reflect;
 use nerve_fibre::bundle_of;
 
 /// Sensitivity at which every second feature is noticed, dB. A model choice: the features of a
@@ -53,59 +56,30 @@ const NORMAL_DB: [[f64; COLUMNS]; 8] = {
 /// Fall from a tested place to an untested one next to it, dB in 6°.
 const FILL_STEP_DB: f64 = 2.0;
 
-/// The field of one eye.
-#[derive(Clone, Debug, PartialEq)]
+/// The field of one eye, and what it has lost.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct VisualField {
     eye: Laterality,
     age_years: f64,
-    stage: Option<GlaucomaStage>,
+    even_loss_db: f64,
+    bundle_losses: Vec<BundleLoss>,
+    eccentricity_factor: f64,
     normal_db: [[f64; COLUMNS]; 8],
 }
 
-/// Loss along one group of fibre bundles.
-#[derive(Clone, Copy, Debug)]
-struct BundleLoss {
+/// Loss along one group of nerve-fibre bundles.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+pub struct BundleLoss {
     /// Centre of the group at the disc, ° (positive above on the retina, so below in the field).
-    centre_deg: f64,
-    /// Spread of the group at the disc, °.
-    spread_deg: f64,
+    pub centre_deg: f64,
+    /// Spread of the group at the disc, °, above 0.
+    pub spread_deg: f64,
     /// Deepest loss, dB.
-    depth_db: f64,
-    /// Share of the loss that already stands near the disc; the rest comes at the far end, which
+    pub depth_db: f64,
+    /// Share of the loss that already stands near the disc, 0–1; the rest comes at the far end, which
     /// makes the nasal step.
-    near_share: f64,
-}
-
-/// What a stage takes: an even loss and groups of bundles. Depths are chosen so that the mean
-/// deviations fall into the classes of Hodapp, Parrish and Anderson (1993); places are the usual
-/// ones, the arcuate bundles about 7 and 11 o'clock of the disc, the lower first.
-fn stage_loss(stage: GlaucomaStage) -> (f64, [BundleLoss; 2]) {
-    let group = |centre_deg, spread_deg, depth_db, near_share| BundleLoss {
-        centre_deg,
-        spread_deg,
-        depth_db,
-        near_share,
-    };
-    match stage {
-        GlaucomaStage::Early => (
-            1.0,
-            [group(-135.0, 18.0, 20.0, 0.2), group(130.0, 12.0, 4.0, 0.0)],
-        ),
-        GlaucomaStage::Moderate => (
-            2.0,
-            [
-                group(-120.0, 21.0, 28.0, 0.8),
-                group(130.0, 15.0, 11.0, 0.2),
-            ],
-        ),
-        GlaucomaStage::Severe => (
-            4.0,
-            [
-                group(-116.0, 27.0, 30.0, 1.0),
-                group(122.0, 19.0, 26.0, 0.8),
-            ],
-        ),
-    }
+    pub near_share: f64,
 }
 
 impl VisualField {
@@ -119,37 +93,32 @@ impl VisualField {
             } else {
                 50.0
             },
-            stage: None,
+            even_loss_db: 0.0,
+            bundle_losses: Vec::new(),
+            eccentricity_factor: 1.0,
             normal_db: filled_table(),
         }
     }
 
-    /// The field of an eye with glaucoma at this stage, its owner's age in years as for
-    /// [`Self::normal`].
-    #[must_use]
-    pub fn glaucoma(stage: GlaucomaStage, eye: Laterality, age_years: f64) -> Self {
-        Self {
-            stage: Some(stage),
-            ..Self::normal(eye, age_years)
-        }
+    /// Takes `even_db` everywhere and each group of bundles what it has lost, dB; the blur that comes
+    /// with eccentricity grows `eccentricity_factor` times (1 and more).
+    pub fn lose(&mut self, even_db: f64, bundles: &[BundleLoss], eccentricity_factor: f64) {
+        self.even_loss_db += even_db.max(0.0);
+        self.bundle_losses.extend_from_slice(bundles);
+        self.eccentricity_factor *= eccentricity_factor.max(1.0);
     }
 
-    /// The stage of glaucoma, if any.
+    /// Has nothing been lost?
     #[must_use]
-    pub fn stage(&self) -> Option<GlaucomaStage> {
-        self.stage
+    pub fn is_whole(&self) -> bool {
+        self.even_loss_db == 0.0 && self.bundle_losses.is_empty() && self.eccentricity_factor == 1.0
     }
 
-    /// The factor for [`eccentricity_blur_rad`]: 1 healthy, 1.5, 3 and 5 by stage. A model choice
-    /// for Nießner's "significantly larger" (2013, section 3).
+    /// How much faster than in a healthy eye blur grows with eccentricity, 1 and more
+    /// ([`eccentricity_blur_rad`]).
     #[must_use]
-    pub fn glaucoma_factor(&self) -> f64 {
-        match self.stage {
-            None => 1.0,
-            Some(GlaucomaStage::Early) => 1.5,
-            Some(GlaucomaStage::Moderate) => 3.0,
-            Some(GlaucomaStage::Severe) => 5.0,
-        }
+    pub fn eccentricity_factor(&self) -> f64 {
+        self.eccentricity_factor
     }
 
     /// Sensitivity, dB, in a direction relative to the line of sight (rad, right and up): 0 in the
@@ -245,30 +214,31 @@ impl VisualField {
     }
 
     fn pathological_loss_db(&self, x: f64, y: f64) -> f64 {
-        let Some(stage) = self.stage else {
-            return 0.0;
-        };
-        let (even_db, groups) = stage_loss(stage);
+        if self.bundle_losses.is_empty() {
+            return self.even_loss_db;
+        }
         // The retina is the field upside down.
         let bundle = bundle_of(x, -y);
         let along = smoothstep((bundle.distance_deg - 10.0) / 20.0);
-        groups.iter().fold(even_db, |sum, group| {
-            let offset: f64 = (bundle.angle_deg - group.centre_deg) / group.spread_deg;
-            let share = group.near_share + (1.0 - group.near_share) * along;
-            sum + group.depth_db * share * (-0.5 * offset * offset).exp()
-        })
+        self.bundle_losses
+            .iter()
+            .fold(self.even_loss_db, |sum, group| {
+                let offset: f64 = (bundle.angle_deg - group.centre_deg) / group.spread_deg;
+                let share = group.near_share + (1.0 - group.near_share) * along;
+                sum + group.depth_db * share * (-0.5 * offset * offset).exp()
+            })
     }
 }
 
 /// Additional diameter of the blur disc at an eccentricity (rad), rad: what the periphery's
 /// coarser sampling costs, MAR(E) − MAR(0) with MAR = 1′ (1 + E/2.5°), the linear law of cortical
-/// magnification, times a factor of 1 for a healthy eye and more with glaucoma
-/// ([`VisualField::glaucoma_factor`]). Zero where one looks; constant beyond 90°.
+/// magnification, times a factor of 1 for a healthy eye and more for one that has lost fibres
+/// ([`VisualField::eccentricity_factor`]). Zero where one looks; constant beyond 90°.
 #[must_use]
-pub fn eccentricity_blur_rad(eccentricity_rad: f64, glaucoma_factor: f64) -> f64 {
+pub fn eccentricity_blur_rad(eccentricity_rad: f64, factor: f64) -> f64 {
     let eccentricity_deg = eccentricity_rad.abs().to_degrees().min(90.0);
     let arcmin = FOVEAL_MAR_ARCMIN * eccentricity_deg / ACUITY_E2_DEG;
-    glaucoma_factor.max(0.0) * (arcmin / 60.0).to_radians()
+    factor.max(0.0) * (arcmin / 60.0).to_radians()
 }
 
 /// Border of the normal field of OD towards (x, y), °.

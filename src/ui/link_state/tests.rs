@@ -1,5 +1,7 @@
 use super::*;
-use crate::anatomy::{GlaucomaStage, IrisColor, Laterality, PupilSetting};
+use crate::anatomy::{IrisColor, Laterality};
+use crate::conditions::GlaucomaStage;
+use crate::patients::PupilSetting;
 use proptest::prelude::*;
 
 fn read(link: &str) -> LinkState {

@@ -1,4 +1,4 @@
-//! The two panels: an image each, drawn only while it is shown.
+//! A panel: an image that a camera draws into, only while it is shown.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{Image, ImageSampler};
@@ -10,8 +10,8 @@ pub const SMALLEST_SIDE: u32 = 16;
 /// Largest side of a panel, pixels.
 pub const LARGEST_SIDE: u32 = 8192;
 
-/// One panel.
-#[derive(Clone, Debug)]
+/// The panel of a camera.
+#[derive(Component, Clone, Debug)]
 pub struct Panel {
     /// Is it shown? A hidden panel runs no pass.
     pub visible: bool,
@@ -21,31 +21,17 @@ pub struct Panel {
     pub image: Handle<Image>,
 }
 
-/// Both panels.
-#[derive(Resource, Clone, Debug)]
-pub struct Panels {
-    /// The patient's eye, from outside.
-    pub eye: Panel,
-    /// What the patient sees.
-    pub view: Panel,
-}
-
-impl Panels {
-    /// Two panels of this size, each shown or not.
-    pub fn new(images: &mut Assets<Image>, eye: UVec2, view: UVec2, shown: [bool; 2]) -> Self {
-        let mut panel = |size: UVec2, visible| Panel {
+impl Panel {
+    /// A panel of this size, each side clamped to what is allowed.
+    pub fn new(images: &mut Assets<Image>, size: UVec2, visible: bool) -> Self {
+        let size = size.clamp(UVec2::splat(SMALLEST_SIDE), UVec2::splat(LARGEST_SIDE));
+        Self {
             visible,
             size,
             image: images.add(target_image(size)),
-        };
-        Self {
-            eye: panel(eye, shown[0]),
-            view: panel(view, shown[1]),
         }
     }
-}
 
-impl Panel {
     /// Gives the panel another size; says whether that changed anything.
     pub fn resize(&mut self, images: &mut Assets<Image>, size: UVec2) -> bool {
         let size = size.clamp(UVec2::splat(SMALLEST_SIDE), UVec2::splat(LARGEST_SIDE));

@@ -1,7 +1,8 @@
 //! Tests of the choice of targets: laws of amplitude, returns and lost fields.
 
 use super::*;
-use crate::anatomy::{GlaucomaStage, Laterality};
+use crate::anatomy::Laterality;
+use crate::conditions::GlaucomaStage;
 
 const SETTINGS: AttentionSettings = AttentionSettings {
     minimal_distance_rad: 0.017_453,
@@ -154,7 +155,7 @@ fn returns_are_delayed_and_not_banned() {
 
 #[test]
 fn a_lost_region_is_never_chosen() {
-    let field = VisualField::glaucoma(GlaucomaStage::Severe, Laterality::OD, 50.0);
+    let field = crate::conditions::glaucoma::glaucoma_field(GlaucomaStage::Severe, Laterality::OD, 50.0);
     let candidates = grid(2.5);
     let current = GazeAngles::new(0.1, -0.05);
     let mut chosen = 0;
@@ -183,7 +184,7 @@ fn glaucoma_shortens_and_slows_the_path() {
         healthy.steps
     );
     for stage in [GlaucomaStage::Moderate, GlaucomaStage::Severe] {
-        let field = VisualField::glaucoma(stage, Laterality::OD, 50.0);
+        let field = crate::conditions::glaucoma::glaucoma_field(stage, Laterality::OD, 50.0);
         let sick = walk(&candidates, Some(&field), 1_000);
         let amplitude = mean(&sick.amplitudes_deg);
         println!(

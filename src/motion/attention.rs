@@ -12,9 +12,9 @@
 use glam::DVec3;
 use rand::Rng;
 
-use crate::motion::gaze::GazeAngles;
+use crate::anatomy::gaze::GazeAngles;
 use crate::motion::random;
-use crate::percept::visual_field::VisualField;
+use crate::anatomy::visual_field::VisualField;
 
 /// Something worth looking at, in head-fixed angles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use bevy::shader::Shader;
 
 macro_rules! library {
     ($name:literal) => {
-        include_str!(concat!("../shaders/lib/", $name, ".wgsl"))
+        include_str!(concat!("../../shaders/lib/", $name, ".wgsl"))
     };
 }
 
@@ -98,9 +98,9 @@ pub const FIELD: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b
 /// The picture of the view.
 pub const GATHER: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0008");
 
-const PERCEPT: &str = include_str!("../shaders/view/percept_uniform.wgsl");
-const VISUAL_FIELD: &str = include_str!("../shaders/view/visual_field.wgsl");
-const COMMON: &str = include_str!("../shaders/eye/common.wgsl");
+const PERCEPT: &str = include_str!("../../shaders/view/percept_uniform.wgsl");
+const VISUAL_FIELD: &str = include_str!("../../shaders/view/visual_field.wgsl");
+const COMMON: &str = include_str!("../../shaders/eye/common.wgsl");
 
 /// Every shader of the program.
 pub const SOURCES: &[Source] = &[
@@ -126,7 +126,7 @@ pub const SOURCES: &[Source] = &[
             "iris_shade",
             "output",
         ],
-        entry: &[COMMON, include_str!("../shaders/eye/globe.wgsl")],
+        entry: &[COMMON, include_str!("../../shaders/eye/globe.wgsl")],
     },
     Source {
         handle: SKIN,
@@ -140,13 +140,13 @@ pub const SOURCES: &[Source] = &[
             "skin_shade",
             "output",
         ],
-        entry: &[COMMON, include_str!("../shaders/eye/skin.wgsl")],
+        entry: &[COMMON, include_str!("../../shaders/eye/skin.wgsl")],
     },
     Source {
         handle: HAIR,
         name: "ocularium/hair.wgsl",
         library: &["footprint", "studio", "hair_shade", "output"],
-        entry: &[COMMON, include_str!("../shaders/eye/hair.wgsl")],
+        entry: &[COMMON, include_str!("../../shaders/eye/hair.wgsl")],
     },
     Source {
         handle: MENISCUS,
@@ -159,19 +159,19 @@ pub const SOURCES: &[Source] = &[
             "tear_reflection",
             "output",
         ],
-        entry: &[COMMON, include_str!("../shaders/eye/meniscus.wgsl")],
+        entry: &[COMMON, include_str!("../../shaders/eye/meniscus.wgsl")],
     },
     Source {
         handle: CAPTURE,
         name: "ocularium/capture.wgsl",
         library: &["retinal_blur", "output"],
-        entry: &[PERCEPT, include_str!("../shaders/view/capture.wgsl")],
+        entry: &[PERCEPT, include_str!("../../shaders/view/capture.wgsl")],
     },
     Source {
         handle: FEATURES,
         name: "ocularium/features.wgsl",
         library: &["fast_strength"],
-        entry: &[PERCEPT, include_str!("../shaders/view/features.wgsl")],
+        entry: &[PERCEPT, include_str!("../../shaders/view/features.wgsl")],
     },
     Source {
         handle: FIELD,
@@ -185,7 +185,7 @@ pub const SOURCES: &[Source] = &[
         entry: &[
             PERCEPT,
             VISUAL_FIELD,
-            include_str!("../shaders/view/field_update.wgsl"),
+            include_str!("../../shaders/view/field_update.wgsl"),
         ],
     },
     Source {
@@ -195,7 +195,7 @@ pub const SOURCES: &[Source] = &[
         entry: &[
             PERCEPT,
             VISUAL_FIELD,
-            include_str!("../shaders/view/gather.wgsl"),
+            include_str!("../../shaders/view/gather.wgsl"),
         ],
     },
 ];

@@ -1,14 +1,13 @@
-//! The patient file: RON, every field optional, units in the names, checked on reading.
+//! Reading and checking patient files: RON, every field optional, units in the names.
 //!
-//! Enters: text. Leaves: a [`PatientFile`] whose every number is finite and in
-//! the range that its documentation states, or one sentence that says which
-//! field is wrong, what it holds and what is allowed.
+//! Enters: text. Leaves: a [`PatientFile`] whose every number is finite and in the range that
+//! [`FIELDS`] states, or one sentence that says which field is wrong, what it holds and what is
+//! allowed.
 
-use super::components::Laterality;
+use super::file::{FIELDS, PatientFile};
+use crate::anatomy::Laterality;
 use crate::input_file::{one_clause, read_input_file};
 use crate::optics::globe::GlobeShape;
-use crate::tissue::iris_reflectance::IrisPigment;
-use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Why a patient could not be read.
@@ -43,10 +42,12 @@ pub enum PatientError {
         reason: String,
     },
     /// A field holds a value that no eye has.
-    #[error("{file}: {field} = {value} is out of range; allowed: {allowed}")]
+    #[error("{file}: {}{field} = {value} is out of range; allowed: {allowed}", of(*eye))]
     OutOfRange {
         /// The file.
         file: String,
+        /// The eye, where it is about one of the two.
+        eye: Option<Laterality>,
         /// The field.
         field: &'static str,
         /// What it holds.
@@ -56,263 +57,67 @@ pub enum PatientError {
     },
 }
 
-/// Colour class of the iris: how much melanin, and of which kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum IrisColor {
-    /// Almost no melanin in stroma and border layer: the colour is scattering alone.
-    Blue,
-    /// A little, mostly pheomelanin, in the border layer.
-    Green,
-    /// Dense eumelanin in both.
-    #[default]
-    Brown,
-}
-
-impl IrisColor {
-    /// (stroma fraction, border-layer fraction, eumelanin ratio) of this class.
-    pub(super) fn pigment(self) -> (f64, f64, f64) {
-        let pigment = match self {
-            Self::Blue => IrisPigment::BLUE,
-            Self::Green => IrisPigment::GREEN,
-            Self::Brown => IrisPigment::BROWN,
-        };
-        (
-            pigment.stroma_melanin_fraction,
-            pigment.border_layer_melanin_fraction,
-            pigment.eumelanin_ratio,
-        )
+/// The part of a file that speaks of this eye.
+fn of(eye: Option<Laterality>) -> &'static str {
+    match eye {
+        None => "",
+        Some(Laterality::OD) => "right.",
+        Some(Laterality::OS) => "left.",
     }
 }
 
-/// How the pupil is set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum PupilSetting {
-    /// By light, age and the near response (Watson & Yellott 2012).
-    #[default]
-    Auto,
-    /// Held at this diameter in mm, 1 to 9.
-    Fixed(f64),
-}
-
-impl PupilSetting {
-    /// The held diameter, if it is held.
-    pub fn diameter_mm(self) -> Option<f64> {
+impl PatientError {
+    /// The same error, about one eye.
+    fn of_eye(self, own: Option<Laterality>) -> Self {
         match self {
-            Self::Auto => None,
-            Self::Fixed(diameter_mm) => Some(diameter_mm),
-        }
-    }
-}
-
-/// Stage of glaucoma after Hodapp, Parrish and Anderson, by mean deviation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum GlaucomaStage {
-    /// Mean deviation better than −6 dB.
-    Early,
-    /// −6 to −12 dB.
-    Moderate,
-    /// Worse than −12 dB.
-    Severe,
-}
-
-/// A patient as written in a file. Lengths in mm, powers in D, angles in degrees.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PatientFile {
-    /// Name shown to the user.
-    pub name: String,
-    /// One sentence about this patient.
-    pub description: String,
-    /// Which eye is shown.
-    pub eye: Laterality,
-    /// Age, 1 to 110 years.
-    pub age_years: f64,
-    /// Colour class of the iris; the three fractions below override it.
-    pub iris_color: IrisColor,
-    /// Volume fraction of melanin in the stroma, 0 to 0.5.
-    pub stroma_melanin_fraction: Option<f64>,
-    /// Volume fraction of melanin in the anterior border layer, 0 to 0.5.
-    pub border_layer_melanin_fraction: Option<f64>,
-    /// Eumelanin to all melanin, 0 to 1.
-    pub eumelanin_ratio: Option<f64>,
-    /// Seed of iris fibres and scleral vessels.
-    pub seed: u64,
-    /// Pupil: `Auto` or `Fixed(mm)`, 1 to 9 mm.
-    pub pupil: PupilSetting,
-    /// Decentration of the pupil (nasal, superior), −1 to 1 mm.
-    pub pupil_decentration_mm: [f64; 2],
-    /// Sphere of the refractive error, −20 to 20 D.
-    pub sphere_d: f64,
-    /// Cylinder, −10 to 10 D.
-    pub cylinder_d: f64,
-    /// Axis of the cylinder, 0 to 180 degrees.
-    pub axis_deg: f64,
-    /// Amplitude of accommodation, 0 to 20 D; by age (Hofstetter's mean) where it is not given.
-    pub accommodation_amplitude_d: Option<f64>,
-    /// Apical radius of the anterior cornea, 6 to 10 mm (François: 7.8).
-    pub cornea_radius_mm: f64,
-    /// Shape factor p = 1 + Q of the anterior cornea, 0.2 to 1.5 (François: 0.75).
-    pub cornea_p: f64,
-    /// Apical radius of the posterior cornea, 5 to 9 mm.
-    pub cornea_posterior_radius_mm: f64,
-    /// Shape factor of the posterior cornea, 0.2 to 1.5.
-    pub cornea_posterior_p: f64,
-    /// Central thickness of the cornea, 0.3 to 0.9 mm.
-    pub cornea_thickness_mm: f64,
-    /// Radius of the limbus, 5 to 6.5 mm.
-    pub limbus_radius_mm: f64,
-    /// Depth of the iris behind the corneal apex, 2.5 to 4.5 mm.
-    pub iris_depth_mm: f64,
-    /// Radius of the scleral sphere, 10.5 to 12.5 mm.
-    pub scleral_radius_mm: f64,
-    /// Lipid layer of the tear film, 0 to 200 nm.
-    pub lipid_thickness_nm: f64,
-    /// Redness of the conjunctiva, 0 to 1.
-    pub redness: f64,
-    /// Skin tone, 0 (very light) to 1 (very dark).
-    pub skin_tone: f64,
-    /// Glaucoma, if the patient has it.
-    pub glaucoma: Option<GlaucomaStage>,
-    /// Starving rate of the visual memory, 0 to 10 per second.
-    pub starve_rate_per_s: f64,
-    /// Voxel of the sharpness field, 1 to 1000 mm.
-    pub voxel_mm: f64,
-    /// Largest blur shown, 10 to 600 arcmin of visual angle.
-    pub blur_cap_arcmin: f64,
-}
-
-impl Default for PatientFile {
-    fn default() -> Self {
-        Self {
-            name: "Unnamed".into(),
-            description: String::new(),
-            eye: Laterality::OD,
-            age_years: 30.0,
-            iris_color: IrisColor::Brown,
-            stroma_melanin_fraction: None,
-            border_layer_melanin_fraction: None,
-            eumelanin_ratio: None,
-            seed: 1,
-            pupil: PupilSetting::Auto,
-            pupil_decentration_mm: [0.2, 0.0],
-            sphere_d: 0.0,
-            cylinder_d: 0.0,
-            axis_deg: 0.0,
-            accommodation_amplitude_d: None,
-            cornea_radius_mm: 7.8,
-            cornea_p: 0.75,
-            cornea_posterior_radius_mm: 6.4,
-            cornea_posterior_p: 0.725,
-            cornea_thickness_mm: 0.55,
-            limbus_radius_mm: 5.85,
-            iris_depth_mm: 3.6,
-            scleral_radius_mm: 11.5,
-            lipid_thickness_nm: 55.0,
-            redness: 0.12,
-            skin_tone: 0.3,
-            glaucoma: None,
-            starve_rate_per_s: 0.45,
-            voxel_mm: 10.0,
-            blur_cap_arcmin: 120.0,
+            Self::OutOfRange {
+                file,
+                field,
+                value,
+                allowed,
+                ..
+            } => Self::OutOfRange {
+                file,
+                eye: own,
+                field,
+                value,
+                allowed,
+            },
+            other => other,
         }
     }
 }
 
 impl PatientFile {
-    /// Sphere plus half the cylinder, D.
-    pub fn spherical_equivalent_d(&self) -> f64 {
-        self.sphere_d + 0.5 * self.cylinder_d
-    }
-
-    /// Amplitude of accommodation, D: as given, or by age.
-    pub fn amplitude_d(&self) -> f64 {
-        self.accommodation_amplitude_d
-            .unwrap_or_else(|| crate::motion::accommodation::hofstetter_amplitude_d(self.age_years))
-    }
-
-    /// Every numeric field with its name and allowed range.
-    fn ranges(&self) -> Vec<(&'static str, f64, f64, f64)> {
-        let mut ranges = vec![
-            ("age_years", self.age_years, 1.0, 110.0),
-            (
-                "pupil_decentration_mm",
-                self.pupil_decentration_mm[0],
-                -1.0,
-                1.0,
-            ),
-            (
-                "pupil_decentration_mm",
-                self.pupil_decentration_mm[1],
-                -1.0,
-                1.0,
-            ),
-            ("sphere_d", self.sphere_d, -20.0, 20.0),
-            ("cylinder_d", self.cylinder_d, -10.0, 10.0),
-            ("axis_deg", self.axis_deg, 0.0, 180.0),
-            ("cornea_radius_mm", self.cornea_radius_mm, 6.0, 10.0),
-            ("cornea_p", self.cornea_p, 0.2, 1.5),
-            (
-                "cornea_posterior_radius_mm",
-                self.cornea_posterior_radius_mm,
-                5.0,
-                9.0,
-            ),
-            ("cornea_posterior_p", self.cornea_posterior_p, 0.2, 1.5),
-            ("cornea_thickness_mm", self.cornea_thickness_mm, 0.3, 0.9),
-            ("limbus_radius_mm", self.limbus_radius_mm, 5.0, 6.5),
-            ("iris_depth_mm", self.iris_depth_mm, 2.5, 4.5),
-            ("scleral_radius_mm", self.scleral_radius_mm, 10.5, 12.5),
-            ("lipid_thickness_nm", self.lipid_thickness_nm, 0.0, 200.0),
-            ("redness", self.redness, 0.0, 1.0),
-            ("skin_tone", self.skin_tone, 0.0, 1.0),
-            ("starve_rate_per_s", self.starve_rate_per_s, 0.0, 10.0),
-            ("voxel_mm", self.voxel_mm, 1.0, 1000.0),
-            ("blur_cap_arcmin", self.blur_cap_arcmin, 10.0, 600.0),
-        ];
-        let optional = [
-            (
-                "stroma_melanin_fraction",
-                self.stroma_melanin_fraction,
-                0.0,
-                0.5,
-            ),
-            (
-                "border_layer_melanin_fraction",
-                self.border_layer_melanin_fraction,
-                0.0,
-                0.5,
-            ),
-            ("eumelanin_ratio", self.eumelanin_ratio, 0.0, 1.0),
-            (
-                "accommodation_amplitude_d",
-                self.accommodation_amplitude_d,
-                0.0,
-                20.0,
-            ),
-            ("pupil", self.pupil.diameter_mm(), 1.0, 9.0),
-        ];
-        ranges.extend(
-            optional
-                .into_iter()
-                .filter_map(|(name, value, low, high)| value.map(|value| (name, value, low, high))),
-        );
-        ranges
-    }
-
     /// Checks every number against its range; `file` names the source in the error.
     pub fn check(&self, file: &str) -> Result<(), PatientError> {
-        for (field, value, low, high) in self.ranges() {
+        self.check_text(file)?;
+        for eye in Laterality::BOTH {
+            let one = self.of_eye(eye);
+            let own = if one == self.of_eye(eye.other()) { None } else { Some(eye) };
+            one.check_eye(file).map_err(|error| error.of_eye(own))?;
+        }
+        Ok(())
+    }
+
+    /// Checks a patient with both eyes alike.
+    fn check_eye(&self, file: &str) -> Result<(), PatientError> {
+        for field in FIELDS {
+            let Some(value) = (field.get)(self) else {
+                continue;
+            };
+            let (low, high) = field.range;
             // A NaN is in no range.
             if !(low..=high).contains(&value) {
                 return Err(PatientError::OutOfRange {
                     file: file.into(),
-                    field,
+                    eye: None,
+                    field: field.name,
                     value: format!("{value}"),
                     allowed: format!("{low} to {high}"),
                 });
             }
         }
-        self.check_text(file)?;
         self.check_shape(file)?;
         self.check_globe(file)
     }
@@ -330,6 +135,7 @@ impl PatientFile {
             {
                 return Err(PatientError::OutOfRange {
                     file: file.into(),
+                    eye: None,
                     field,
                     value: format!("\"{}\"", one_clause(text)),
                     allowed: format!("text without control characters such as {found:?}"),
@@ -343,6 +149,7 @@ impl PatientFile {
     fn check_globe(&self, file: &str) -> Result<(), PatientError> {
         let refused = |value: String, allowed: String| PatientError::OutOfRange {
             file: file.into(),
+            eye: None,
             field: "cornea_radius_mm",
             value,
             allowed,
@@ -366,6 +173,7 @@ impl PatientFile {
         if self.iris_depth_mm > deepest {
             return Err(PatientError::OutOfRange {
                 file: file.into(),
+                eye: None,
                 field: "iris_depth_mm",
                 value: format!("{}", self.iris_depth_mm),
                 allowed: format!("2.5 to {deepest:.2} for this globe"),
@@ -394,6 +202,7 @@ impl PatientFile {
                 let largest = (radius / (1.02 * self.limbus_radius_mm)).powi(2);
                 return Err(PatientError::OutOfRange {
                     file: file.into(),
+                    eye: None,
                     field,
                     value: format!("{p}"),
                     allowed: format!(
@@ -514,7 +323,7 @@ mod tests {
 
     #[test]
     fn every_preset_is_sound() {
-        for preset in crate::anatomy::PRESETS {
+        for preset in crate::patients::PRESETS {
             let patient = load_patient(preset.name).expect(preset.name);
             assert!(
                 !patient.description.is_empty(),
@@ -552,6 +361,23 @@ mod tests {
         assert!(said("").contains("RON"));
         assert!(said("(age_years: \"old\")").contains("p.ron:1:"));
         assert!(said("(cornea_p: 1.5, cornea_radius_mm: 6.0)").contains("limbus"));
+    }
+
+    #[test]
+    fn one_eye_may_have_what_the_other_has_not() {
+        let text = "(sphere_d: -1.0, left: (sphere_d: -4.0, iris_color: Blue))";
+        let file = parse_patient(text, "p.ron").expect("sound");
+        let [right, left] = Laterality::BOTH.map(|eye| file.of_eye(eye));
+        assert_eq!((right.sphere_d, left.sphere_d), (-1.0, -4.0));
+        assert_ne!(right.iris_color, left.iris_color);
+        let said = |text: &str| parse_patient(text, "p.ron").expect_err(text).to_string();
+        let error = said("(left: (sphere_d: -40.0))");
+        for part in ["p.ron", "left.sphere_d", "-40", "-20 to 20"] {
+            assert!(error.contains(part), "{error}");
+        }
+        assert!(!said("(sphere_d: -40.0)").contains("right"));
+        let error = said("(right: (age_years: 4.0))");
+        assert!(error.contains("age_years") && error.contains("sphere_d"), "{error}");
     }
 
     #[test]

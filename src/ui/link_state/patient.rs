@@ -1,6 +1,7 @@
 //! A patient as a built-in one and the fields in which it differs.
 
-use crate::anatomy::{PRESETS, PatientError, PatientFile, load_patient, parse_unchecked};
+use crate::anatomy::Laterality;
+use crate::patients::{PRESETS, PatientError, PatientFile, load_patient, parse_unchecked};
 use serde_json::{Map, Value};
 
 fn fields_of(patient: &PatientFile) -> Map<String, Value> {
@@ -38,10 +39,20 @@ fn notation(value: &Value) -> String {
             format!("({})", parts.join(","))
         }
         // An enum's variant with a value, as in Fixed(4.0).
-        Value::Object(variant) => variant
-            .iter()
-            .map(|(name, value)| format!("{name}({})", notation(value)))
-            .collect(),
+        Value::Object(variant) if variant.keys().any(|name| name.starts_with(char::is_uppercase)) => {
+            variant
+                .iter()
+                .map(|(name, value)| format!("{name}({})", notation(value)))
+                .collect()
+        }
+        // What one eye has of its own.
+        Value::Object(fields) => {
+            let fields: Vec<String> = fields
+                .iter()
+                .map(|(name, value)| format!("{name}:{}", notation(value)))
+                .collect();
+            format!("({})", fields.join(","))
+        }
         other => {
             let number = other.to_string();
             number.strip_suffix(".0").unwrap_or(&number).to_owned()
@@ -92,7 +103,11 @@ pub(super) fn with_changes(
         };
         refused.push(format!("{error}."));
         let failed = match error {
-            PatientError::OutOfRange { field, .. } => wanted.remove(field),
+            PatientError::OutOfRange { field, eye, .. } => wanted.remove(match eye {
+                None => field,
+                Some(Laterality::OD) => "right",
+                Some(Laterality::OS) => "left",
+            }),
             _ => None,
         };
         if failed.is_none() {

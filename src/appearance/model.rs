@@ -1,0 +1,377 @@
+//! An eye in the world, seen from outside: what it is made of, built when its anatomy changes.
+//!
+//! Enters: [`EyeModel`] on an entity with a place of its own. Leaves: the parts of that eye as
+//! children: globe, lids, lashes, tears and brow as meshes with materials. Their space is the head's,
+//! in millimetres, with the globe's centre at the entity; the entity's own space is in metres.
+
+use super::face_region::{EyeRegion, LidPose, PosedRegion};
+use super::globe_mesh::globe_meshes;
+use super::hair::HairMesh;
+use super::images::map_image;
+use super::lashes::Lashes;
+use super::light_table::{LAMPS, LightTable, SIDE};
+use super::materials::{
+    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
+    MeniscusUniform, SkinMaterial, SkinUniform, Studio,
+};
+use super::mesh_fill::{brow_mesh, empty_mesh};
+use super::tissue_maps::{
+    iris_image, light_settings, reflectance_image, sclera_image, skin_albedo, skin_image,
+    static_uniform,
+};
+use crate::anatomy::{Cornea, Eye, EyeFinder, Iris, Laterality, Patient, Sclera, Skin};
+use crate::frame::ledger::WorkLedger;
+use crate::frame::readiness::Readiness;
+use crate::optics::globe::GlobeShape;
+use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+/// Metres in the unit of the eye's meshes.
+pub const METRES_A_MM: f32 = 1e-3;
+
+/// Shows this eye, or the leading eye of this person, where the entity stands: the globe's centre of
+/// rotation is its origin, the patient's right is +x, and the face looks along −z.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
+#[require(Transform, Visibility, EyeLight, EyeDetail, EyeParts)]
+pub struct EyeModel(pub Entity);
+
+/// What lights an eye.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub enum EyeLight {
+    /// The lights of the world that it stands in: the two strongest that shine on it, and the rest as
+    /// surroundings.
+    #[default]
+    World,
+    /// A studio of its own.
+    Studio(Studio),
+}
+
+/// How fine the maps of an eye's tissues are. It counts when they are built.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
+pub struct EyeDetail {
+    /// As fine as a large picture shows, or half as fine.
+    pub fine: bool,
+}
+
+impl Default for EyeDetail {
+    fn default() -> Self {
+        Self { fine: true }
+    }
+}
+
+/// The parts of one eye in the world. `Changed` when the next picture of it differs from the last.
+#[derive(Component, Default)]
+pub struct EyeParts {
+    /// Counts how often it was built anew.
+    pub(super) built: u64,
+    /// The eye that is shown.
+    pub(super) eye: Option<Entity>,
+    pub(super) lashes: Option<Lashes>,
+    pub(super) posed: PosedRegion,
+    pub(super) hair: HairMesh,
+    pub(super) pose: Option<LidPose>,
+    pub(super) shape: Option<GlobeShape>,
+    pub(super) lids: LidHeights,
+    pub(super) head_from_eye: Option<Quat>,
+    pub(super) pupil_radius_mm: f32,
+    pub(super) studio: Option<Studio>,
+    pub(super) globe: Vec<(Entity, Handle<GlobeMaterial>)>,
+    pub(super) lights: Option<(LightTable, Handle<Image>)>,
+    pub(super) skin: Handle<Mesh>,
+    pub(super) skin_material: Handle<SkinMaterial>,
+    pub(super) lash_mesh: Handle<Mesh>,
+    pub(super) hair_material: Handle<HairMaterial>,
+    pub(super) meniscus_mesh: Handle<Mesh>,
+    pub(super) meniscus_material: Handle<MeniscusMaterial>,
+}
+
+impl EyeParts {
+    /// How often it was built anew.
+    pub fn built(&self) -> u64 {
+        self.built
+    }
+}
+
+/// Marks what belongs to an eye in the world: a child of its [`EyeModel`].
+#[derive(Component)]
+pub struct EyePart;
+
+/// The face about every eye, read once.
+#[derive(Resource)]
+pub struct FaceRegion(pub(super) Option<EyeRegion>);
+
+impl FromWorld for FaceRegion {
+    fn from_world(_: &mut World) -> Self {
+        Self(
+            EyeRegion::load()
+                .inspect_err(|error| error!("the face cannot be built: {error}"))
+                .ok(),
+        )
+    }
+}
+
+/// The stores of the eyes' meshes, maps and materials.
+#[derive(SystemParam)]
+pub struct EyeAssets<'w> {
+    pub(super) meshes: ResMut<'w, Assets<Mesh>>,
+    pub(super) images: ResMut<'w, Assets<Image>>,
+    pub(super) globes: ResMut<'w, Assets<GlobeMaterial>>,
+    pub(super) skins: ResMut<'w, Assets<SkinMaterial>>,
+    pub(super) hairs: ResMut<'w, Assets<HairMaterial>>,
+    pub(super) tears: ResMut<'w, Assets<MeniscusMaterial>>,
+}
+
+/// The anatomy that an eye is built from.
+type Built<'a> = (Ref<'a, Eye>, Ref<'a, Cornea>, Ref<'a, Iris>, Ref<'a, Sclera>);
+
+/// What of a model decides how it is built.
+type Model<'a> = (
+    Entity,
+    Ref<'a, EyeModel>,
+    &'a EyeDetail,
+    Option<&'a RenderLayers>,
+    Option<&'a Children>,
+    &'a mut EyeParts,
+);
+
+/// +1 for the right eye, −1 for the left one, whose region is mirrored.
+pub(super) fn side(laterality: Laterality) -> f32 {
+    laterality.temporal_sign() as f32
+}
+
+/// Builds the parts of eyes whose anatomy is new or changed.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads and makes"
+)]
+pub fn build_eyes(
+    mut models: Query<Model>,
+    finder: EyeFinder,
+    eyes: Query<Built>,
+    people: Query<(Ref<Patient>, Ref<Skin>)>,
+    old: Query<(), With<EyePart>>,
+    region: Res<FaceRegion>,
+    ledger: Res<WorkLedger>,
+    readiness: Res<Readiness>,
+    mut assets: EyeAssets,
+    mut commands: Commands,
+) {
+    for (entity, model, detail, layers, children, mut parts) in &mut models {
+        let Some((eye_entity, patient_entity)) = finder.find(model.0) else {
+            continue;
+        };
+        let (Ok((eye, cornea, iris, sclera)), Ok((patient, skin))) =
+            (eyes.get(eye_entity), people.get(patient_entity))
+        else {
+            continue;
+        };
+        let is_changed = parts.eye != Some(eye_entity)
+            || eye.is_changed()
+            || cornea.is_changed()
+            || iris.is_changed()
+            || sclera.is_changed()
+            || patient.is_changed()
+            || skin.is_changed();
+        if !is_changed {
+            continue;
+        }
+        parts.eye = Some(eye_entity);
+        for child in children.into_iter().flatten() {
+            if old.contains(*child) {
+                commands.entity(*child).despawn();
+            }
+        }
+        readiness.restart();
+        let anatomy = Anatomy {
+            eye: &eye,
+            cornea: &cornea,
+            iris: &iris,
+            sclera: &sclera,
+            patient: &patient,
+            skin: &skin,
+        };
+        let layers = layers.cloned().unwrap_or_default();
+        let mut builder = Builder {
+            model: entity,
+            layers,
+            commands: &mut commands,
+            assets: &mut assets,
+            ledger: &ledger,
+        };
+        if let Err(error) = builder.build(&anatomy, detail.fine, region.0.as_ref(), &mut parts) {
+            error!("the globe cannot be built: {error}");
+        }
+    }
+}
+
+/// The anatomy of one eye.
+pub(super) struct Anatomy<'a> {
+    pub(super) eye: &'a Eye,
+    pub(super) cornea: &'a Cornea,
+    pub(super) iris: &'a Iris,
+    pub(super) sclera: &'a Sclera,
+    pub(super) patient: &'a Patient,
+    pub(super) skin: &'a Skin,
+}
+
+/// Makes the parts of one model.
+struct Builder<'a, 'c, 's, 'w> {
+    model: Entity,
+    layers: RenderLayers,
+    commands: &'a mut Commands<'c, 's>,
+    assets: &'a mut EyeAssets<'w>,
+    ledger: &'a WorkLedger,
+}
+
+impl Builder<'_, '_, '_, '_> {
+    fn build(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        fine: bool,
+        region: Option<&EyeRegion>,
+        parts: &mut EyeParts,
+    ) -> Result<(), crate::optics::globe::GlobeShapeError> {
+        let shape = GlobeShape::new(
+            anatomy.eye.scleral_radius_mm,
+            anatomy.cornea.anterior_radius_mm,
+            anatomy.cornea.anterior_p,
+            anatomy.cornea.limbus_radius_mm,
+        )?;
+        let studio = parts.studio.unwrap_or_default();
+        let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
+        self.globe(anatomy, &shape, studio, fine, parts);
+        self.skin(anatomy, studio, seed, parts);
+        self.hair(anatomy, &shape, studio, seed, region, parts);
+        let tears = self.assets.tears.add(MeniscusMaterial {
+            meniscus: MeniscusUniform {
+                studio,
+                options: Vec4::new(1.0, 0.0, 0.0, 0.0),
+            },
+        });
+        parts.meniscus_mesh = self.assets.meshes.add(empty_mesh());
+        parts.meniscus_material = tears.clone();
+        self.add(parts.meniscus_mesh.clone(), MeshMaterial3d(tears));
+        parts.lashes = Some(Lashes::new(seed));
+        parts.pose = None;
+        parts.shape = Some(shape);
+        parts.head_from_eye = None;
+        parts.built += 1;
+        Ok(())
+    }
+
+    /// A part of the head: it does not turn, and its mesh is filled as the lids move.
+    fn add(&mut self, mesh: Handle<Mesh>, material: impl Bundle) {
+        self.commands.spawn((
+            EyePart,
+            ChildOf(self.model),
+            Mesh3d(mesh),
+            material,
+            NoFrustumCulling,
+            Transform::from_scale(Vec3::splat(METRES_A_MM)),
+            self.layers.clone(),
+        ));
+    }
+
+    fn globe(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        shape: &GlobeShape,
+        studio: Studio,
+        fine: bool,
+        parts: &mut EyeParts,
+    ) {
+        let images = &mut self.assets.images;
+        let maps = [
+            images.add(iris_image(anatomy, fine)),
+            images.add(sclera_image(anatomy, fine)),
+            images.add(reflectance_image(anatomy.iris)),
+        ];
+        self.ledger.bytes_uploaded(
+            maps.iter()
+                .filter_map(|map| images.get(map))
+                .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
+                .sum(),
+        );
+        let [iris_map, sclera_map, reflectance_map] = maps;
+        let light_table = images.add(map_image(
+            &[(
+                (LAMPS * SIDE) as u32,
+                SIDE as u32,
+                vec![[0.0; 4]; LAMPS * SIDE * SIDE],
+            )],
+            false,
+        ));
+        let uniform = static_uniform(anatomy, shape, studio);
+        parts.globe.clear();
+        for (part, mesh) in [GlobePart::Cornea, GlobePart::Sclera]
+            .into_iter()
+            .zip(globe_meshes(shape))
+        {
+            let material = self.assets.globes.add(GlobeMaterial {
+                part,
+                globe: uniform,
+                iris_map: iris_map.clone(),
+                sclera_map: sclera_map.clone(),
+                reflectance_map: reflectance_map.clone(),
+                light_table: light_table.clone(),
+            });
+            let entity = self.commands.spawn((
+                EyePart,
+                ChildOf(self.model),
+                Mesh3d(self.assets.meshes.add(mesh)),
+                MeshMaterial3d(material.clone()),
+                Transform::from_scale(Vec3::splat(METRES_A_MM)),
+                self.layers.clone(),
+            ));
+            parts.globe.push((entity.id(), material));
+        }
+        let table = LightTable::new(light_settings(anatomy.cornea, anatomy.iris));
+        parts.lights = Some((table, light_table));
+    }
+
+    fn skin(&mut self, anatomy: &Anatomy<'_>, studio: Studio, seed: u64, parts: &mut EyeParts) {
+        let albedo = skin_albedo(anatomy.skin.tone);
+        let material = self.assets.skins.add(SkinMaterial {
+            skin: SkinUniform {
+                studio,
+                albedo: albedo.extend(0.42),
+                flesh: (Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * albedo.x)).extend(1.0),
+                globe: Vec4::new(anatomy.eye.scleral_radius_mm as f32, 0.0, 0.0, 0.0),
+            },
+            skin_map: self.assets.images.add(skin_image(seed)),
+        });
+        parts.skin = self.assets.meshes.add(empty_mesh());
+        parts.skin_material = material.clone();
+        self.add(parts.skin.clone(), MeshMaterial3d(material));
+    }
+
+    fn hair(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        shape: &GlobeShape,
+        studio: Studio,
+        seed: u64,
+        region: Option<&EyeRegion>,
+        parts: &mut EyeParts,
+    ) {
+        let material = self.assets.hairs.add(HairMaterial {
+            hair: HairUniform {
+                studio,
+                root: Vec4::new(0.010, 0.007, 0.006, 0.0),
+                tip: Vec4::new(0.024, 0.016, 0.012, 0.0),
+            },
+        });
+        parts.lash_mesh = self.assets.meshes.add(empty_mesh());
+        parts.hair_material = material.clone();
+        self.add(parts.lash_mesh.clone(), MeshMaterial3d(material.clone()));
+        if let Some(region) = region {
+            let brow = brow_mesh(region, shape, seed, side(anatomy.eye.laterality));
+            let brow = self.assets.meshes.add(brow);
+            self.add(brow, MeshMaterial3d(material));
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Eyes in the world follow their owners: globe and pupil, lids, lashes and tears.
+
+use super::face_region::LidPose;
+use super::images::map_image;
+use super::light_table::{LAMPS, SIDE};
+use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
+use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
+use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, Pupil};
+use crate::frame::ledger::WorkLedger;
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+/// What of an eye moves its globe.
+type Turning<'a> = (&'a Eye, &'a Gaze, &'a Pupil, &'a Iris);
+
+/// An eye that nobody may see is not moved.
+fn is_hidden(visibility: &Visibility) -> bool {
+    *visibility == Visibility::Hidden
+}
+
+/// Turns the globes and sets the pupils, where they changed.
+pub fn move_eyes(
+    eyes: Query<Turning>,
+    mut models: Query<(&mut EyeParts, &Visibility)>,
+    mut transforms: Query<&mut Transform>,
+    mut assets: EyeAssets,
+    ledger: Res<WorkLedger>,
+) {
+    for (mut parts, visibility) in &mut models {
+        let Some(Ok((eye, gaze, pupil, iris))) = parts.eye.map(|eye| eyes.get(eye)) else {
+            continue;
+        };
+        if is_hidden(visibility) {
+            continue;
+        }
+        let rotation = gaze.globe_rotation(eye);
+        let radius = (pupil.diameter_mm * 0.5) as f32;
+        let turned = parts.head_from_eye != Some(rotation);
+        if !turned && parts.pupil_radius_mm == radius {
+            continue;
+        }
+        // From here on the picture of it changes.
+        let parts = &mut *parts;
+        parts.head_from_eye = Some(rotation);
+        parts.pupil_radius_mm = radius;
+        let nasal = -side(eye.laterality);
+        for (entity, material) in &parts.globe {
+            if let Ok(mut transform) = transforms.get_mut(*entity) {
+                *transform = Transform::from_rotation(rotation)
+                    .with_scale(Vec3::splat(METRES_A_MM));
+            }
+            if let Some(mut material) = assets.globes.get_mut(material) {
+                material.globe.head_from_eye = Mat4::from_quat(rotation);
+                material.globe.iris.z = radius;
+                material.globe.pupil.x = nasal * iris.pupil_decentration_mm[0] as f32;
+                material.globe.pupil.y = iris.pupil_decentration_mm[1] as f32;
+            }
+        }
+        if turned {
+            light_iris(parts, rotation, &mut assets, &ledger);
+        }
+    }
+}
+
+/// Works out the lamps' light through the cornea anew.
+fn light_iris(parts: &mut EyeParts, rotation: Quat, assets: &mut EyeAssets, ledger: &WorkLedger) {
+    let studio = parts.studio.unwrap_or_default();
+    let Some((lights, table)) = &mut parts.lights else {
+        return;
+    };
+    let eye_from_head = rotation.inverse();
+    lights.settings.lamps = [studio.key_direction, studio.fill_direction].map(|lamp| {
+        (eye_from_head * lamp.truncate())
+            .as_dvec3()
+            .normalize_or(DVec3::NEG_Z)
+    });
+    let level = ((LAMPS * SIDE) as u32, SIDE as u32, lights.texels());
+    // Under the same handle: the materials, changed before, bind the new texture.
+    if assets
+        .images
+        .insert(table.id(), map_image(&[level], false))
+        .is_ok()
+    {
+        ledger.bytes_uploaded((LAMPS * SIDE * SIDE * 8) as u64);
+    }
+}
+
+/// Poses lids, lashes and tears, where lids or gaze changed.
+pub fn move_lids(
+    eyes: Query<(&Eye, &Gaze, &EyeOf)>,
+    people: Query<&Eyelids>,
+    mut models: Query<(&mut EyeParts, &Visibility)>,
+    mut assets: EyeAssets,
+    region: Res<FaceRegion>,
+    ledger: Res<WorkLedger>,
+) {
+    let Some(region) = &region.0 else { return };
+    for (mut parts, visibility) in &mut models {
+        let Some(Ok((eye, gaze, owner))) = parts.eye.map(|eye| eyes.get(eye)) else {
+            continue;
+        };
+        let Ok(lids) = people.get(owner.0) else {
+            continue;
+        };
+        if is_hidden(visibility) {
+            continue;
+        }
+        let mirror = side(eye.laterality);
+        let pose = LidPose {
+            aperture: lids.aperture as f32,
+            gaze_azimuth_rad: mirror * gaze.azimuth_rad as f32,
+            gaze_elevation_rad: gaze.elevation_rad as f32,
+            squint: 0.0,
+        };
+        if parts.pose.as_ref() == Some(&pose) || parts.shape.is_none() {
+            continue;
+        }
+        let parts = &mut *parts;
+        let (Some(shape), Some(lashes)) = (&parts.shape, &mut parts.lashes) else {
+            continue;
+        };
+        // Region and globe meet in the right eye's frame; a left eye is mirrored into it.
+        let mirrored = Gaze {
+            azimuth_rad: gaze.azimuth_rad * f64::from(mirror),
+            torsion_rad: gaze.torsion_rad * f64::from(mirror),
+            ..*gaze
+        };
+        let right = Eye {
+            laterality: crate::anatomy::Laterality::OD,
+            ..eye.clone()
+        };
+        let eye_from_head = mirrored.globe_rotation(&right).inverse();
+        let globe_radius =
+            |direction: Vec3| shape.radius_along((eye_from_head * direction).as_dvec3()) as f32;
+        region.pose(&pose, &globe_radius, &mut parts.posed);
+        parts.lids = lid_heights(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
+
+        let mut vertices = parts.posed.positions.len();
+        if let Some(mut mesh) = assets.meshes.get_mut(&parts.skin) {
+            // What lies in the fold or under the lid changes with the pose, so it rides in the weights.
+            let tissue = region.tissue().iter().zip(&parts.posed.light);
+            let tissue =
+                tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], *light]);
+            let rest = region.rest().iter().map(|p| [p[0], p[1], p[2], 1.0]);
+            fill_mesh(
+                &mut mesh,
+                &parts.posed.positions,
+                &parts.posed.normals,
+                tissue.collect(),
+                || rest.collect(),
+                region.indices(),
+                mirror,
+            );
+        }
+        lashes.pose(&parts.posed, &mut parts.hair);
+        if let Some(mut mesh) = assets.meshes.get_mut(&parts.lash_mesh) {
+            vertices += parts.hair.positions.len();
+            fill_hair(
+                &mut mesh,
+                &parts.hair,
+                lashes.parameter(),
+                lashes.indices(),
+                mirror,
+            );
+        }
+        if let Some(mut mesh) = assets.meshes.get_mut(&parts.meniscus_mesh) {
+            let count = parts.posed.meniscus_positions.len();
+            vertices += count;
+            fill_mesh(
+                &mut mesh,
+                &parts.posed.meniscus_positions,
+                &parts.posed.meniscus_normals,
+                vec![[0.0; 4]; count],
+                || vec![[0.0, 0.0, 0.0, 1.0]; count],
+                region.meniscus_indices(),
+                mirror,
+            );
+        }
+        ledger.lid_poses(1);
+        ledger.lid_vertices(vertices as u64);
+        ledger.bytes_uploaded(vertices as u64 * 48);
+        parts.pose = Some(pose);
+        for (_, material) in &parts.globe {
+            if let Some(mut material) = assets.globes.get_mut(material) {
+                material.globe.lids = parts.lids;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh_fill::height_at;
+    use super::*;
+
+    #[test]
+    fn margins_are_sampled_either_way_round() {
+        let margin: Vec<Vec3> = (0..=10)
+            .map(|i| Vec3::new(i as f32 - 5.0, (i as f32) * 0.1, -10.0))
+            .collect();
+        let reversed: Vec<Vec3> = margin.iter().rev().copied().collect();
+        for x in [-9.0, -5.0, -0.3, 2.2, 8.0] {
+            // The same polyline: equal to rounding.
+            assert!((height_at(&margin, x) - height_at(&reversed, x)).abs() < 1e-5);
+        }
+        assert!((height_at(&margin, -20.0) - 0.0).abs() < 1e-6);
+        assert!((height_at(&margin, 0.5) - 0.55).abs() < 1e-5);
+    }
+}

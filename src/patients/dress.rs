@@ -1,0 +1,319 @@
+//! From a patient file to entities, and back.
+//!
+//! Enters: a [`PatientFile`], put on an entity. Leaves: that entity as a person with two eyes; the file
+//! itself is gone, so that every number has one owner. [`DressedPatient`] reads a person's file back
+//! from her components.
+
+use super::file::{PatientFile, PupilSetting};
+use crate::anatomy::{
+    Accommodation, Cornea, Eye, EyeOf, Eyes, Gaze, Iris, Laterality, Lens, Patient, Pupil,
+    PupilControl, Refraction, Sclera, Skin,
+};
+use crate::conditions::Glaucoma;
+use crate::percept::SharpnessField;
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::system::SystemParam;
+use bevy::ecs::world::DeferredWorld;
+use bevy::prelude::*;
+
+/// How far the root of the iris lies behind the limbus, mm.
+const ROOT_BEYOND_LIMBUS_MM: f64 = 0.2;
+
+/// What a person's eye is made of.
+type EyeBundle = (Eye, Cornea, Iris, Lens, Refraction, Sclera);
+
+impl PatientFile {
+    /// The person's own components.
+    fn person(&self) -> (Patient, Skin) {
+        (
+            Patient {
+                name: self.name.clone(),
+                description: self.description.clone(),
+                age_years: self.age_years,
+                leading: self.eye,
+                interpupillary_mm: self.interpupillary_mm,
+                seed: self.seed,
+            },
+            Skin {
+                tone: self.skin_tone,
+            },
+        )
+    }
+
+    /// How she remembers; what she remembers stays.
+    fn memory(&self, now: Option<&SharpnessField>) -> SharpnessField {
+        let (starve_rate_per_s, voxel_m, blur_cap_rad) = (
+            self.starve_rate_per_s,
+            self.voxel_mm * 1e-3,
+            self.blur_cap_arcmin.to_radians() / 60.0,
+        );
+        match now.cloned() {
+            None => SharpnessField::new(starve_rate_per_s, voxel_m, blur_cap_rad),
+            Some(mut memory) => {
+                memory.starve_rate_per_s = starve_rate_per_s;
+                memory.voxel_m = voxel_m;
+                memory.blur_cap_rad = blur_cap_rad;
+                memory
+            }
+        }
+    }
+
+    /// The components of one eye.
+    pub fn eye_components(&self, laterality: Laterality) -> EyeBundle {
+        let own = self.of_eye(laterality);
+        (
+            Eye {
+                laterality,
+                scleral_radius_mm: own.scleral_radius_mm,
+                angle_alpha_deg: own.angle_alpha_deg,
+            },
+            Cornea {
+                anterior_radius_mm: own.cornea_radius_mm,
+                anterior_p: own.cornea_p,
+                posterior_radius_mm: own.cornea_posterior_radius_mm,
+                posterior_p: own.cornea_posterior_p,
+                thickness_mm: own.cornea_thickness_mm,
+                index: 1.376,
+                aqueous_index: 1.336,
+                limbus_radius_mm: own.limbus_radius_mm,
+                lipid_thickness_nm: own.lipid_thickness_nm,
+            },
+            Iris {
+                color: own.iris_color,
+                stroma_melanin_fraction: own.stroma_melanin_fraction,
+                border_layer_melanin_fraction: own.border_layer_melanin_fraction,
+                eumelanin_ratio: own.eumelanin_ratio,
+                depth_mm: own.iris_depth_mm,
+                root_radius_mm: own.limbus_radius_mm + ROOT_BEYOND_LIMBUS_MM,
+                pupil_decentration_mm: own.pupil_decentration_mm,
+            },
+            Lens {
+                amplitude_d: own.accommodation_amplitude_d,
+            },
+            Refraction {
+                sphere_d: own.sphere_d,
+                cylinder_d: own.cylinder_d,
+                axis_deg: own.axis_deg,
+            },
+            Sclera {
+                redness: own.redness,
+            },
+        )
+    }
+
+    /// Makes an entity this person. Eyes that she has already become those of the file; conditions of
+    /// the person herself, which no file sets, stay.
+    fn dress(self, person: &mut EntityWorldMut) {
+        let held_mm = person
+            .get::<PupilControl>()
+            .and_then(|control| control.held_mm);
+        let memory = self.memory(person.get::<SharpnessField>());
+        person.insert((
+            self.person(),
+            memory,
+            PupilControl {
+                fixed_mm: self.pupil.diameter_mm(),
+                held_mm,
+            },
+        ));
+        let owner = person.id();
+        let there = person
+            .get::<Eyes>()
+            .map_or_else(Vec::new, |eyes| eyes.entities().to_vec());
+        person.world_scope(|world| {
+            for laterality in Laterality::BOTH {
+                let found = there.iter().copied().find(|eye| {
+                    world
+                        .get::<Eye>(*eye)
+                        .is_some_and(|eye| eye.laterality == laterality)
+                });
+                let mut eye = match found {
+                    Some(eye) => world.entity_mut(eye),
+                    None => world.spawn((
+                        EyeOf(owner),
+                        Gaze::default(),
+                        Pupil::default(),
+                        Accommodation::default(),
+                    )),
+                };
+                eye.insert(self.eye_components(laterality));
+                match self.of_eye(laterality).glaucoma {
+                    Some(stage) => eye.insert(Glaucoma { stage }),
+                    None => eye.remove::<Glaucoma>(),
+                };
+            }
+        });
+    }
+}
+
+/// Takes a file off the entity that it was put on, and makes that entity the patient.
+pub(super) fn dress_entity(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    world.commands().queue(move |world: &mut World| {
+        let Ok(mut person) = world.get_entity_mut(entity) else {
+            return;
+        };
+        if let Some(file) = person.take::<PatientFile>() {
+            file.dress(&mut person);
+        }
+    });
+}
+
+impl Patient {
+    /// A built-in patient, to be spawned; [`super::PRESETS`] names them.
+    ///
+    /// # Panics
+    /// Where there is none of this name; [`super::load_patient`] gives an error instead.
+    pub fn preset(name: &str) -> PatientFile {
+        assert!(
+            super::preset(name).is_some(),
+            "there is no built-in patient {name:?}"
+        );
+        super::load_patient(name).unwrap_or_default()
+    }
+}
+
+type PersonParts = (
+    &'static Patient,
+    &'static Skin,
+    &'static SharpnessField,
+    &'static PupilControl,
+    &'static Eyes,
+);
+
+type EyeParts = (
+    &'static Eye,
+    &'static Cornea,
+    &'static Iris,
+    &'static Lens,
+    &'static Refraction,
+    &'static Sclera,
+    Option<&'static Glaucoma>,
+);
+
+/// Reads the files of people from their components.
+#[derive(SystemParam)]
+pub struct DressedPatient<'w, 's> {
+    people: Query<'w, 's, PersonParts>,
+    eyes: Query<'w, 's, EyeParts>,
+}
+
+impl DressedPatient<'_, '_> {
+    /// The file that makes this person; `None` where the entity is none.
+    pub fn file(&self, patient: Entity) -> Option<PatientFile> {
+        let (patient, skin, field, pupil, eyes) = self.people.get(patient).ok()?;
+        let shared = PatientFile {
+            name: patient.name.clone(),
+            description: patient.description.clone(),
+            eye: patient.leading,
+            age_years: patient.age_years,
+            interpupillary_mm: patient.interpupillary_mm,
+            seed: patient.seed,
+            pupil: pupil.fixed_mm.map_or(PupilSetting::Auto, PupilSetting::Fixed),
+            skin_tone: skin.tone,
+            starve_rate_per_s: field.starve_rate_per_s,
+            voxel_mm: field.voxel_m * 1e3,
+            blur_cap_arcmin: field.blur_cap_rad.to_degrees() * 60.0,
+            ..PatientFile::default()
+        };
+        let of = |wanted: Laterality| {
+            eyes.entities().iter().find_map(|eye| {
+                let parts = self.eyes.get(*eye).ok()?;
+                (parts.0.laterality == wanted).then(|| with_eye(&shared, parts))
+            })
+        };
+        let (leading, other) = (of(patient.leading), of(patient.leading.other()));
+        match (leading, other) {
+            (Some(leading), Some(other)) => Some(PatientFile::join(leading, &other)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+/// The file of a person both of whose eyes are like this one.
+fn with_eye(
+    shared: &PatientFile,
+    (eye, cornea, iris, lens, refraction, sclera, glaucoma): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
+) -> PatientFile {
+    PatientFile {
+        iris_color: iris.color,
+        glaucoma: glaucoma.map(|glaucoma| glaucoma.stage),
+        sphere_d: refraction.sphere_d,
+        cylinder_d: refraction.cylinder_d,
+        axis_deg: refraction.axis_deg,
+        cornea_radius_mm: cornea.anterior_radius_mm,
+        cornea_p: cornea.anterior_p,
+        cornea_posterior_radius_mm: cornea.posterior_radius_mm,
+        cornea_posterior_p: cornea.posterior_p,
+        cornea_thickness_mm: cornea.thickness_mm,
+        limbus_radius_mm: cornea.limbus_radius_mm,
+        iris_depth_mm: iris.depth_mm,
+        scleral_radius_mm: eye.scleral_radius_mm,
+        lipid_thickness_nm: cornea.lipid_thickness_nm,
+        redness: sclera.redness,
+        stroma_melanin_fraction: iris.stroma_melanin_fraction,
+        border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
+        eumelanin_ratio: iris.eumelanin_ratio,
+        accommodation_amplitude_d: lens.amplitude_d,
+        pupil_decentration_mm: iris.pupil_decentration_mm,
+        angle_alpha_deg: eye.angle_alpha_deg,
+        ..shared.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::EyeFile;
+    use super::*;
+    use bevy::ecs::system::RunSystemOnce;
+
+    fn read_back(world: &mut World, patient: Entity) -> PatientFile {
+        world
+            .run_system_once(move |dressed: DressedPatient| dressed.file(patient))
+            .expect("it runs")
+            .expect("a patient")
+    }
+
+    #[test]
+    fn every_patient_comes_back_as_the_file_that_made_it() {
+        let mut world = World::new();
+        let own = PatientFile {
+            eye: Laterality::OS,
+            pupil: PupilSetting::Fixed(3.25),
+            sphere_d: -2.5,
+            right: EyeFile {
+                sphere_d: Some(1.0),
+                ..EyeFile::default()
+            },
+            left: EyeFile {
+                glaucoma: Some(crate::conditions::GlaucomaStage::Severe),
+                eumelanin_ratio: Some(0.5),
+                ..EyeFile::default()
+            },
+            ..PatientFile::default()
+        };
+        let files = crate::patients::PRESETS
+            .iter()
+            .map(|preset| Patient::preset(preset.name))
+            .chain([own]);
+        // One entity after another's file: nothing of the one before is left.
+        let patient = world.spawn_empty().id();
+        for file in files {
+            world.entity_mut(patient).insert(file.clone());
+            world.flush();
+            assert!(world.get::<PatientFile>(patient).is_none());
+            let eyes = world.get::<Eyes>(patient).expect("eyes");
+            assert_eq!(eyes.entities().len(), 2);
+            let found = read_back(&mut world, patient);
+            // Two numbers change their unit on the way.
+            let rounded = PatientFile {
+                voxel_mm: file.voxel_mm,
+                blur_cap_arcmin: file.blur_cap_arcmin,
+                ..found.clone()
+            };
+            assert_eq!(rounded, file);
+            assert!((found.voxel_mm - file.voxel_mm).abs() < 1e-9);
+            assert!((found.blur_cap_arcmin - file.blur_cap_arcmin).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! A patient as written in a file: every field, with its range, default, unit and meaning, in one table.
+//!
+//! Enters: the table below. Leaves: [`PatientFile`] (what both eyes share, and what one of them has
+//! otherwise), and [`FIELDS`], which checks, controls and the README's table are made from.
+
+use crate::anatomy::{IrisColor, Laterality};
+use crate::conditions::GlaucomaStage;
+use bevy::ecs::component::Component;
+use serde::{Deserialize, Serialize};
+
+/// How the pupil is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum PupilSetting {
+    /// By light, age and the near response (Watson & Yellott 2012).
+    #[default]
+    Auto,
+    /// The entrance pupil is held at this diameter in mm, 1 to 9.
+    Fixed(f64),
+}
+
+impl PupilSetting {
+    /// The held diameter, if it is held.
+    pub fn diameter_mm(self) -> Option<f64> {
+        match self {
+            Self::Auto => None,
+            Self::Fixed(diameter_mm) => Some(diameter_mm),
+        }
+    }
+}
+
+/// What is known of one number of a patient file.
+pub struct Field {
+    /// Its name in the file.
+    pub name: &'static str,
+    /// Which of several numbers under that name: 0, or 1 for the second of a pair.
+    pub index: usize,
+    /// Lowest and highest value that a patient may have.
+    pub range: (f64, f64),
+    /// Its unit, as written behind a number; empty where it has none.
+    pub unit: &'static str,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+    /// May one eye have another value than the other?
+    pub per_eye: bool,
+    /// The value of a patient; `None` where it is left to be worked out.
+    pub get: fn(&PatientFile) -> Option<f64>,
+    /// Gives a patient this value.
+    pub set: fn(&mut PatientFile, f64),
+}
+
+macro_rules! patient_file {
+    (
+        texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr;)+ }
+        eye_choices { $($(#[$choice_doc:meta])* $choice:ident : $choice_type:ty = $choice_default:expr;)+ }
+        eye_conditions { $($(#[$condition_doc:meta])* $condition:ident : $condition_type:ty;)+ }
+        numbers { $($number:ident = $number_default:literal, $number_low:literal to $number_high:literal, $number_unit:literal, $number_meaning:literal;)+ }
+        eye_numbers { $($eye:ident = $eye_default:literal, $eye_low:literal to $eye_high:literal, $eye_unit:literal, $eye_meaning:literal;)+ }
+        eye_options { $($option:ident, $option_low:literal to $option_high:literal, $option_unit:literal, $option_meaning:literal;)+ }
+        eye_pairs { $($pair:ident = $pair_default:expr, $pair_low:literal to $pair_high:literal, $pair_unit:literal, $pair_meaning:literal, $pair_second:literal;)+ }
+    ) => {
+        /// A patient as written in a file. Lengths in mm, powers in D, angles in degrees.
+        ///
+        /// As a component it makes its entity that patient, with two eyes, and is gone: see
+        /// [`crate::patients`].
+        #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[component(on_insert = super::dress::dress_entity)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct PatientFile {
+            $($(#[$text_doc])* pub $text: $text_type,)+
+            $(#[doc = concat!($number_meaning, ": ", $number_low, " to ", $number_high, " ", $number_unit, ".")]
+            pub $number: f64,)+
+            $($(#[$choice_doc])* pub $choice: $choice_type,)+
+            $($(#[$condition_doc])* pub $condition: Option<$condition_type>,)+
+            $(#[doc = concat!($eye_meaning, ": ", $eye_low, " to ", $eye_high, " ", $eye_unit, ".")]
+            pub $eye: f64,)+
+            $(#[doc = concat!($option_meaning, ": ", $option_low, " to ", $option_high, " ", $option_unit, ".")]
+            pub $option: Option<f64>,)+
+            $(#[doc = concat!($pair_meaning, " and ", $pair_second, ": each ", $pair_low, " to ", $pair_high, " ", $pair_unit, ".")]
+            pub $pair: [f64; 2],)+
+            /// What the right eye has otherwise than the fields above say.
+            pub right: EyeFile,
+            /// What the left eye has otherwise than the fields above say.
+            pub left: EyeFile,
+        }
+
+        /// What one eye has otherwise than its owner's file says for both.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct EyeFile {
+            $($(#[$choice_doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $choice: Option<$choice_type>,)+
+            $($(#[$condition_doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $condition: Option<$condition_type>,)+
+            $(#[doc = $eye_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $eye: Option<f64>,)+
+            $(#[doc = $option_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $option: Option<f64>,)+
+            $(#[doc = $pair_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $pair: Option<[f64; 2]>,)+
+        }
+
+        impl Default for PatientFile {
+            fn default() -> Self {
+                Self {
+                    $($text: $text_default,)+
+                    $($number: $number_default,)+
+                    $($choice: $choice_default,)+
+                    $($condition: None,)+
+                    $($eye: $eye_default,)+
+                    $($option: None,)+
+                    $($pair: $pair_default,)+
+                    right: EyeFile::default(),
+                    left: EyeFile::default(),
+                }
+            }
+        }
+
+        impl PatientFile {
+            /// One file of a person whose leading eye is like that of `leading` and whose other eye is
+            /// like that of `other`, each read as if it were both: what is shared is the leading eye's.
+            pub(super) fn join(leading: Self, other: &Self) -> Self {
+                let (mut first, mut second) = (EyeFile::default(), EyeFile::default());
+                let mut both = leading;
+                $(if other.$choice != both.$choice { second.$choice = Some(other.$choice.clone()); })+
+                $(if other.$eye != both.$eye { second.$eye = Some(other.$eye); })+
+                $(if other.$pair != both.$pair { second.$pair = Some(other.$pair); })+
+                // An eye's part cannot say that it has not what both have.
+                $(if other.$condition != both.$condition {
+                    second.$condition = other.$condition.clone();
+                    if second.$condition.is_none() { first.$condition = both.$condition.take(); }
+                })+
+                $(if other.$option != both.$option {
+                    second.$option = other.$option;
+                    if second.$option.is_none() { first.$option = both.$option.take(); }
+                })+
+                (both.right, both.left) = match both.eye {
+                    Laterality::OD => (first, second),
+                    Laterality::OS => (second, first),
+                };
+                both
+            }
+        }
+
+        impl PatientFile {
+            /// The same person with both eyes like this one.
+            pub fn of_eye(&self, eye: Laterality) -> Self {
+                let own = match eye {
+                    Laterality::OD => &self.right,
+                    Laterality::OS => &self.left,
+                };
+                let mut both = self.clone();
+                $(if let Some(value) = &own.$choice { both.$choice = value.clone(); })+
+                $(if own.$condition.is_some() { both.$condition = own.$condition.clone(); })+
+                $(if let Some(value) = own.$eye { both.$eye = value; })+
+                $(if own.$option.is_some() { both.$option = own.$option; })+
+                $(if let Some(value) = own.$pair { both.$pair = value; })+
+                both.right = EyeFile::default();
+                both.left = EyeFile::default();
+                both
+            }
+        }
+
+        /// Every number of a patient file.
+        pub const FIELDS: &[Field] = &[
+            $(Field {
+                name: stringify!($number), index: 0, range: ($number_low as f64, $number_high as f64),
+                unit: $number_unit, meaning: $number_meaning, per_eye: false,
+                get: |file| Some(file.$number), set: |file, value| file.$number = value,
+            },)+
+            $(Field {
+                name: stringify!($eye), index: 0, range: ($eye_low as f64, $eye_high as f64),
+                unit: $eye_unit, meaning: $eye_meaning, per_eye: true,
+                get: |file| Some(file.$eye), set: |file, value| file.$eye = value,
+            },)+
+            $(Field {
+                name: stringify!($option), index: 0, range: ($option_low as f64, $option_high as f64),
+                unit: $option_unit, meaning: $option_meaning, per_eye: true,
+                get: |file| file.$option, set: |file, value| file.$option = Some(value),
+            },)+
+            $(Field {
+                name: stringify!($pair), index: 0, range: ($pair_low as f64, $pair_high as f64),
+                unit: $pair_unit, meaning: $pair_meaning, per_eye: true,
+                get: |file| Some(file.$pair[0]), set: |file, value| file.$pair[0] = value,
+            },
+            Field {
+                name: stringify!($pair), index: 1, range: ($pair_low as f64, $pair_high as f64),
+                unit: $pair_unit, meaning: $pair_second, per_eye: true,
+                get: |file| Some(file.$pair[1]), set: |file, value| file.$pair[1] = value,
+            },)+
+            Field {
+                name: "pupil", index: 0, range: (1.0, 9.0),
+                unit: "mm", meaning: "diameter at which the entrance pupil is held", per_eye: false,
+                get: |file| file.pupil.diameter_mm(), set: |file, value| file.pupil = PupilSetting::Fixed(value),
+            },
+        ];
+    };
+}
+
+patient_file! {
+    texts {
+        /// Name shown to the user.
+        name: String = "Unnamed".into();
+        /// One sentence about this patient.
+        description: String = String::new();
+        /// The eye that leads, and is shown where one is shown.
+        eye: Laterality = Laterality::OD;
+        /// Seed of the irises' fibres and the scleras' vessels.
+        seed: u64 = 1;
+        /// Pupils: `Auto` or `Fixed(mm)`, 1 to 9 mm.
+        pupil: PupilSetting = PupilSetting::Auto;
+    }
+    eye_choices {
+        /// Colour class of the iris; the three fractions override it.
+        iris_color: IrisColor = IrisColor::Brown;
+    }
+    eye_conditions {
+        /// Glaucoma: `Early`, `Moderate` or `Severe`.
+        glaucoma: GlaucomaStage;
+    }
+    numbers {
+        age_years = 30.0, 1 to 110, "years", "age";
+        interpupillary_mm = 63.0, 40 to 80, "mm", "distance between the eyes";
+        skin_tone = 0.3, 0 to 1, "", "tone of the skin, very light to very dark";
+        starve_rate_per_s = 0.45, 0 to 10, "/s", "how fast remembered sharpness fades";
+        voxel_mm = 10.0, 1 to 1000, "mm", "edge of a voxel of that memory";
+        blur_cap_arcmin = 120.0, 10 to 600, "′", "largest blur that is shown";
+    }
+    eye_numbers {
+        sphere_d = 0.0, -20 to 20, "D", "sphere of the refractive error";
+        cylinder_d = 0.0, -10 to 10, "D", "its cylinder";
+        axis_deg = 0.0, 0 to 180, "°", "axis of the cylinder";
+        cornea_radius_mm = 7.8, 6 to 10, "mm", "apical radius of the front of the cornea";
+        cornea_p = 0.75, 0.2 to 1.5, "", "its shape factor 1 + Q";
+        cornea_posterior_radius_mm = 6.4, 5 to 9, "mm", "apical radius of the back of the cornea";
+        cornea_posterior_p = 0.725, 0.2 to 1.5, "", "its shape factor";
+        cornea_thickness_mm = 0.55, 0.3 to 0.9, "mm", "central thickness of the cornea";
+        limbus_radius_mm = 5.85, 5 to 6.5, "mm", "radius of the limbus";
+        iris_depth_mm = 3.6, 2.5 to 4.5, "mm", "iris behind the corneal apex";
+        scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
+        lipid_thickness_nm = 55.0, 0 to 200, "nm", "oily layer of the tear film";
+        redness = 0.12, 0 to 1, "", "redness of the conjunctiva";
+    }
+    eye_options {
+        stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";
+        border_layer_melanin_fraction, 0 to 0.5, "", "melanin in the anterior border layer; by class without it";
+        eumelanin_ratio, 0 to 1, "", "eumelanin in all melanin; by class without it";
+        accommodation_amplitude_d, 0 to 20, "D", "most that the lens can add; by age without it";
+    }
+    eye_pairs {
+        pupil_decentration_mm = [0.2, 0.0], -1 to 1, "mm", "centre of the pupil towards the nose", "the same upwards";
+        angle_alpha_deg = [5.45, 2.5], -15 to 15, "°", "optical axis outwards of the line of sight", "the same downwards";
+    }
+}

@@ -1,0 +1,174 @@
+//! Whether anything that a camera might see has changed.
+//!
+//! Enters: Bevy's own record of changes to meshes, materials, textures, lights and their places.
+//! Leaves: the render layers that were touched in this frame. A shadow may fall in from outside of
+//! the picture, so a change anywhere on a camera's layers counts.
+
+use bevy::asset::AssetEvent;
+use bevy::camera::visibility::RenderLayers;
+use bevy::light::GlobalAmbientLight;
+use bevy::mesh::morph::MorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::platform::collections::{HashMap, HashSet};
+use bevy::prelude::*;
+
+/// The layers on which something has changed in this frame.
+#[derive(Resource, Default, Debug)]
+pub struct SceneChanges {
+    touched: Option<RenderLayers>,
+    everywhere: bool,
+    /// Layers of everything that was there.
+    known: HashMap<Entity, RenderLayers>,
+}
+
+impl SceneChanges {
+    /// Has something changed that a camera of these layers may see?
+    pub fn touch(&self, layers: Option<&RenderLayers>) -> bool {
+        let all = RenderLayers::default();
+        let layers = layers.unwrap_or(&all);
+        self.everywhere
+            || self
+                .touched
+                .as_ref()
+                .is_some_and(|touched| touched.intersects(layers))
+    }
+
+    fn add(&mut self, layers: Option<&RenderLayers>) {
+        let layers = layers.cloned().unwrap_or_default();
+        self.touched = Some(match self.touched.take() {
+            None => layers,
+            Some(touched) => touched.union(&layers),
+        });
+    }
+}
+
+/// Whatever can be seen.
+type Seen = Or<(
+    With<Mesh3d>,
+    With<PointLight>,
+    With<DirectionalLight>,
+    With<SpotLight>,
+)>;
+
+/// A change of it that Bevy records on its entity.
+type Altered = Or<(
+    Changed<GlobalTransform>,
+    Changed<InheritedVisibility>,
+    Changed<RenderLayers>,
+    Changed<Mesh3d>,
+    Changed<MeshMaterial3d<StandardMaterial>>,
+    Changed<MorphWeights>,
+    Or<(
+        Changed<PointLight>,
+        Changed<DirectionalLight>,
+        Changed<SpotLight>,
+    )>,
+)>;
+
+/// Lights and meshes that are gone.
+#[derive(bevy::ecs::system::SystemParam)]
+pub(super) struct Gone<'w, 's> {
+    meshes: RemovedComponents<'w, 's, Mesh3d>,
+    points: RemovedComponents<'w, 's, PointLight>,
+    suns: RemovedComponents<'w, 's, DirectionalLight>,
+    spots: RemovedComponents<'w, 's, SpotLight>,
+}
+
+/// What meshes are drawn with.
+#[derive(bevy::ecs::system::SystemParam)]
+pub(super) struct Surfaces<'w, 's> {
+    meshes: MessageReader<'w, 's, AssetEvent<Mesh>>,
+    materials: MessageReader<'w, 's, AssetEvent<StandardMaterial>>,
+    images: MessageReader<'w, 's, AssetEvent<Image>>,
+    standard: Res<'w, Assets<StandardMaterial>>,
+}
+
+type Drawn<'a> = (
+    &'a Mesh3d,
+    Option<&'a MeshMaterial3d<StandardMaterial>>,
+    Option<&'a RenderLayers>,
+);
+
+/// Notices what has changed since the last frame.
+pub(super) fn notice(
+    mut changes: ResMut<SceneChanges>,
+    altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
+    skinned: Query<(&SkinnedMesh, Option<&RenderLayers>)>,
+    moved: Query<(), Changed<GlobalTransform>>,
+    ambient: Option<Res<GlobalAmbientLight>>,
+    drawn: Query<Drawn>,
+    mut gone: Gone,
+    mut surfaces: Surfaces,
+) {
+    let changes = &mut *changes;
+    changes.touched = None;
+    for (entity, layers) in &altered {
+        changes.add(layers);
+        changes
+            .known
+            .insert(entity, layers.cloned().unwrap_or_default());
+    }
+    let gone = (gone.meshes.read())
+        .chain(gone.points.read())
+        .chain(gone.suns.read())
+        .chain(gone.spots.read());
+    for entity in gone {
+        // One that has been given another mesh since is altered, and counted above.
+        if let Some(layers) = changes.known.remove(&entity) {
+            changes.add(Some(&layers));
+        }
+    }
+    for (skin, layers) in &skinned {
+        if skin.joints.iter().any(|joint| moved.contains(*joint)) {
+            changes.add(layers);
+        }
+    }
+    changes.everywhere = ambient.is_some_and(|ambient| ambient.is_changed());
+    redrawn(changes, &drawn, &mut surfaces);
+}
+
+/// The ids of assets that were changed in place.
+fn modified<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<AssetId<A>> {
+    events
+        .read()
+        .filter_map(|event| match event {
+            AssetEvent::Modified { id } | AssetEvent::LoadedWithDependencies { id } => Some(*id),
+            _ => None,
+        })
+        .collect()
+}
+
+/// Meshes, materials and textures that were changed in place.
+fn redrawn(changes: &mut SceneChanges, drawn: &Query<Drawn>, surfaces: &mut Surfaces) {
+    let meshes = modified(&mut surfaces.meshes);
+    let mut materials = modified(&mut surfaces.materials);
+    let images = modified(&mut surfaces.images);
+    if !images.is_empty() {
+        let shows = |texture: &Option<Handle<Image>>| {
+            texture.as_ref().is_some_and(|texture| images.contains(&texture.id()))
+        };
+        let textured = surfaces.standard.iter().filter(|(_, material)| {
+            [
+                &material.base_color_texture,
+                &material.emissive_texture,
+                &material.metallic_roughness_texture,
+                &material.normal_map_texture,
+                &material.occlusion_texture,
+                &material.depth_map,
+            ]
+            .into_iter()
+            .any(shows)
+        });
+        materials.extend(textured.map(|(id, _)| id));
+    }
+    if meshes.is_empty() && materials.is_empty() {
+        return;
+    }
+    for (mesh, material, layers) in drawn {
+        if meshes.contains(&mesh.id())
+            || material.is_some_and(|material| materials.contains(&material.id()))
+        {
+            changes.add(layers);
+        }
+    }
+}
