@@ -10,23 +10,38 @@
 //! Units: millimetres in the eye, metres in the scene, dioptres for vergence,
 //! seconds, radians; degrees where a name ends in `_deg`.
 
+#[cfg(feature = "bevy")]
 pub mod anatomy;
+#[cfg(feature = "app")]
 pub mod app;
+#[cfg(feature = "bevy")]
 pub mod appearance;
+#[cfg(feature = "bevy")]
 pub mod conditions;
+#[cfg(feature = "bevy")]
 pub mod frame;
+#[cfg(feature = "bevy")]
 mod input_file;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "bevy", not(target_arch = "wasm32")))]
 pub mod lab;
+#[cfg(feature = "bevy")]
 pub mod motion;
 pub mod optics;
+#[cfg(all(feature = "bevy", not(target_arch = "wasm32")))]
+pub mod output_file;
+#[cfg(feature = "bevy")]
 pub mod patients;
+#[cfg(feature = "bevy")]
 pub mod percept;
+#[cfg(feature = "bevy")]
 mod plugins;
+#[cfg(feature = "bevy")]
 pub mod scene;
+#[cfg(feature = "bevy")]
 pub mod stage;
 pub mod tissue;
 #[cfg(feature = "app")]
 pub mod ui;
 
+#[cfg(feature = "bevy")]
 pub use plugins::{OculariumPlugins, prelude};

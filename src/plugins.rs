@@ -19,7 +19,10 @@ impl PluginGroup for OculariumPlugins {
 /// What an app of one's own needs.
 pub mod prelude {
     pub use super::OculariumPlugins;
-    pub use crate::anatomy::{Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor, Laterality, Lens, Patient, Pupil, PupilControl, Refraction, Sclera, Skin};
+    pub use crate::anatomy::{
+        Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor, Laterality, Lens,
+        Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
+    };
     pub use crate::appearance::{EyeLight, EyeModel, Studio};
     pub use crate::conditions::{Glaucoma, GlaucomaStage};
     pub use crate::frame::{EyeSystems, Panel, SimulationClock};

@@ -9,15 +9,15 @@ use crate::stage::{look, open, patient, settle, without_blinks};
 use bevy::math::UVec2;
 use half::f16;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
-use ocularium::patients::{PatientFile, PupilSetting};
-use ocularium::app::SessionCommand;
 use ocularium::lab::headless::{Headless, Which};
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::percept::gather::{
     View, angle_between, combined_blur, neural_blur, reference_gather, view_ray,
 };
 use ocularium::percept::gpu_data::PerceptUniform;
 use ocularium::scene::model::srgb_to_linear;
 use ocularium::scene::photo::PhotoOptions;
+use ocularium::stage::SessionCommand;
 
 /// Pixels along each side of the view, and of the photograph that fills it: each texel is a pixel.
 const SIDE: u32 = 164;

@@ -1,19 +1,15 @@
 //! What is hidden, paused or absent costs nothing: proved by the ledger of work.
 
 use crate::stage::{alone, look, open, patient, session, settle};
-use bevy::asset::Assets;
-use bevy::image::Image;
 use bevy::math::UVec2;
-use bevy::prelude::Mut;
-use ocularium::app::{Panels, SessionCommand};
-use ocularium::lab::headless::{Headless, Which};
 use ocularium::frame::ledger::Work;
+use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
-use ocularium::percept::Percept;
 use ocularium::percept::gpu_data::PerceptUniform;
 use ocularium::percept::pipelines::{Pass, Pipelines};
 use ocularium::scene::catalog::LoadedScene;
 use ocularium::scene::room::room_scaled;
+use ocularium::stage::SessionCommand;
 use std::sync::Arc;
 
 const STEP_S: f64 = 1.0 / 60.0;
@@ -46,21 +42,11 @@ impl Run {
     }
 
     fn show(&mut self, eye: bool, view: bool) {
-        let mut panels = self.headless.world().resource_mut::<Panels>();
-        panels.eye.visible = eye;
-        panels.view.visible = view;
+        self.headless.show([eye, view]);
     }
 
     fn resize(&mut self, which: Which, size: UVec2) {
-        let world = self.headless.world();
-        world.resource_scope(|world, mut panels: Mut<Panels>| {
-            let mut images = world.resource_mut::<Assets<Image>>();
-            let panel = match which {
-                Which::Eye => &mut panels.eye,
-                Which::View => &mut panels.view,
-            };
-            assert!(panel.resize(&mut images, size), "the size is another one");
-        });
+        assert!(self.headless.resize(which, size), "the size is another one");
     }
 
     fn keys(&mut self) -> Vec<(Pass, bool)> {
@@ -262,9 +248,7 @@ fn the_field_holds_what_is_seen_and_not_the_rooms_volume() {
     let session = session(patient("healthy-brown"), 5);
     let mut headless = open(session, UVec2::splat(16), size, [false, true]);
     settle(&mut headless);
-    let voxels = |headless: &mut Headless| {
-        f64::from(headless.world().resource::<Percept>().captured().occupied)
-    };
+    let voxels = |headless: &mut Headless| f64::from(headless.percept().captured().occupied);
     let small = voxels(&mut headless);
     let model = room_scaled(8.0).expect("a larger room");
     let scene = Arc::new(LoadedScene::Model(Box::new(model)));

@@ -3,6 +3,7 @@
 mod cli;
 mod drawn_blur;
 mod gpu;
+mod house;
 mod ledger;
 mod models_in_view;
 mod percept_gpu;

@@ -3,13 +3,12 @@
 use crate::percept_gpu::photo_session;
 use crate::stage::{alone, open, patient, settle, without_blinks};
 use bevy::math::UVec2;
-use ocularium::patients::{PatientFile, PupilSetting};
-use ocularium::app::{Session, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
-use ocularium::percept::Percept;
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::scene::catalog::LoadedScene;
 use ocularium::scene::gltf_file::{Beside, load_gltf_among};
 use ocularium::scene::model::{SceneModel, UNLIT_WHITE_CD_M2, srgb_to_linear};
+use ocularium::stage::{Session, SessionCommand};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -162,7 +161,7 @@ fn a_sun_closes_the_pupil_and_blanks_nothing() {
     headless.go_to(0.5);
     let pupil_mm = headless.state().pupil_mm;
     assert!(pupil_mm < 2.5, "{pupil_mm} mm");
-    assert!(!headless.world().resource::<Percept>().captured().is_empty());
+    assert!(!headless.percept().captured().is_empty());
     let view = headless
         .panel(Which::View)
         .unwrap_or_else(|error| panic!("{error}"));

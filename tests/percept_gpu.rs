@@ -5,17 +5,15 @@ use crate::stage::{alone, engine, look, luma_at, open, patient, settle, without_
 use bevy::math::{UVec2, Vec2};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 use ocularium::anatomy::Laterality;
-use ocularium::patients::{PatientFile, PupilSetting};
-use ocularium::app::{Session, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
-use ocularium::percept::Percept;
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::percept::fast::{self, Corner};
 use ocularium::percept::gather::{perimetric_angles, view_ray};
 use ocularium::percept::gpu_data::CANDIDATE_CAPACITY;
-use ocularium::anatomy::visual_field::VisualField;
 use ocularium::scene::catalog::{LoadedScene, SceneSource};
 use ocularium::scene::photo::{PhotoOptions, load_photo_bytes};
+use ocularium::stage::{Session, SessionCommand};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::io::Cursor;
@@ -96,7 +94,7 @@ fn corners_and_vergences_of_a_photograph_are_exact() {
     let view = UVec2::new(width, height);
     let mut headless = open(session, UVec2::splat(16), view, [false, true]);
     settle(&mut headless);
-    let captured = headless.world().resource::<Percept>().captured().clone();
+    let captured = headless.percept().captured().clone();
     assert_eq!(captured.size, view);
 
     for (index, vergence) in captured.vergence_d.iter().enumerate() {
@@ -178,8 +176,7 @@ impl Run {
     /// Looks at a place of the view until eye and lens have come to rest.
     fn fixate(&mut self, place: UVec2) {
         let middle = place.as_vec2() + Vec2::splat(0.5);
-        let (azimuth, elevation, distance_m) =
-            self.headless.world().resource::<Percept>().look_at(middle);
+        let (azimuth, elevation, distance_m) = self.headless.percept().look_at(middle);
         look(
             &mut self.headless,
             azimuth.to_degrees(),
@@ -283,7 +280,8 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
         assert!(ahead.gaze_azimuth_rad.hypot(ahead.gaze_elevation_rad) < 1e-9);
         run.view()
     });
-    let field = ocularium::conditions::glaucoma::glaucoma_field(stage.expect("a stage"), eye, age_years);
+    let field =
+        ocularium::conditions::glaucoma::glaucoma_field(stage.expect("a stage"), eye, age_years);
     let half = 25f64.to_radians().tan();
     // Means over what is lost, what is kept, and the four quadrants: (sum, count) each.
     let mut darker = [[0.0_f64; 2]; 6];

@@ -10,8 +10,6 @@ use crate::stage::{
 use bevy::math::UVec2;
 use image::RgbaImage;
 use ocularium::anatomy::Laterality;
-use ocularium::patients::{PatientFile, PupilSetting};
-use ocularium::app::SessionCommand;
 use ocularium::appearance::EyeOrbit;
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::lab::image_difference::{Difference, difference_picture};
@@ -19,7 +17,9 @@ use ocularium::lab::render::{PanelChoice, RenderRequest, render};
 use ocularium::motion::MotionCommand;
 use ocularium::motion::engine::GazeCommand;
 use ocularium::motion::trace::{HEADER, TraceRow};
-use ocularium::percept::{Percept, PerceptFrame, ViewOptions};
+use ocularium::patients::{PatientFile, PupilSetting};
+use ocularium::percept::ViewOptions;
+use ocularium::stage::SessionCommand;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -249,7 +249,7 @@ fn a_saccade_turns_the_globe_and_moves_the_fixation(headless: &mut Headless) {
     });
     let moments = [-0.01, 0.015, 0.12].map(|after_s| {
         headless.go_to(departure.time_s + after_s);
-        let frame = headless.world().resource::<PerceptFrame>().clone();
+        let frame = headless.frame().clone();
         (headless.state(), frame, picture(headless, Which::Eye))
     });
     for (state, frame, _) in &moments {
@@ -326,7 +326,7 @@ fn every_legal_patient_and_viewpoint_has_a_picture() {
         headless.go_to(0.0);
         settle(&mut headless);
         without_blinks(&mut headless);
-        headless.world().insert_resource(EyeOrbit {
+        headless.set_orbit(EyeOrbit {
             azimuth_deg: orbit[0],
             elevation_deg: orbit[1],
             ..EyeOrbit::default()
@@ -350,7 +350,7 @@ fn every_legal_patient_and_viewpoint_has_a_picture() {
 }
 
 fn closed_lids_have_a_picture(headless: &mut Headless) {
-    headless.world().insert_resource(EyeOrbit::default());
+    headless.set_orbit(EyeOrbit::default());
     headless.world().write_message(MotionCommand::Blink);
     headless.go_to(2.0);
     // A voluntary blink is closed from 77.6 to 91 ms.
@@ -358,7 +358,7 @@ fn closed_lids_have_a_picture(headless: &mut Headless) {
     assert_eq!(headless.state().lid_aperture, 0.0);
     check_lit("lids closed", "eye", &picture(headless, Which::Eye));
     assert!(mean(&picture(headless, Which::View)) < 8.0);
-    assert!(headless.world().resource::<Percept>().is_captured());
+    assert!(headless.percept().is_captured());
 }
 
 fn check_lit(name: &str, panel: &str, picture: &RgbaImage) {

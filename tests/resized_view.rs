@@ -6,23 +6,18 @@ use bevy::math::UVec2;
 use bevy::prelude::{Assets, Image, PostUpdate, ResMut, Resource, Schedules};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
-use ocularium::app::Panels;
 use ocularium::lab::headless::{Headless, Which};
-use ocularium::percept::Percept;
+use ocularium::stage::Panels;
 
 /// A size that the view is given late in the frame, as the window's controls do.
 #[derive(Resource, Default)]
 struct Wanted(Option<UVec2>);
 
-fn lay_out(
-    mut wanted: ResMut<Wanted>,
-    mut panels: ResMut<Panels>,
-    mut images: ResMut<Assets<Image>>,
-) {
+fn lay_out(mut wanted: ResMut<Wanted>, mut panels: Panels, mut images: ResMut<Assets<Image>>) {
     if let Some(size) = wanted.0.take() {
-        panels.view.resize(&mut images, size);
-        if panels.eye.visible {
-            panels.eye.resize(&mut images, size);
+        panels.view_mut().resize(&mut images, size);
+        if panels.eye().visible {
+            panels.eye_mut().resize(&mut images, size);
         }
     }
 }
@@ -82,7 +77,7 @@ fn a_resized_view_keeps_its_picture_until_it_has_another() {
         for frame in 0..3 {
             headless.stand_still();
             headless.finish_frame();
-            assert_ne!(headless.world().resource::<Percept>().captured().size, size);
+            assert_ne!(headless.percept().captured().size, size);
             let picture = view(&headless);
             assert_eq!(picture.dimensions(), size.into());
             let (cut, beside) = (

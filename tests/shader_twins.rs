@@ -19,8 +19,8 @@ mod shading_skin;
 mod tissue;
 
 use glam::{DVec2, DVec3};
-use ocularium::optics::{fresnel, snell};
 use ocularium::frame::shaders::LIBRARY;
+use ocularium::optics::{fresnel, snell};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 

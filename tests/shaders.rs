@@ -13,10 +13,10 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
 };
-use ocularium::app::SessionCommand;
 use ocularium::appearance::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
 use ocularium::frame::readiness::Readiness;
 use ocularium::frame::shaders::{LIBRARY, SOURCES, ShadersPlugin, Source};
+use ocularium::stage::SessionCommand;
 use std::collections::{BTreeSet, HashMap};
 
 /// What the eye's shaders take from Bevy, in as few words as they need: the real modules are
@@ -145,7 +145,7 @@ fn the_validation_can_fail() {
         .iter()
         .find(|source| source.name.ends_with("gather.wgsl"));
     let text = gather.expect("the gather").text();
-    let glaucoma = "GLAUCOMA".to_owned();
+    let glaucoma = "FIELD_LOSS".to_owned();
     let broken = text.replace(
         "let lost = 1.0 - seen_fraction",
         "let lost = 1u - seen_fraction",

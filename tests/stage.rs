@@ -2,15 +2,15 @@
 
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::patients::{PatientFile, load_patient};
 use ocularium::frame::SimulationClock;
-use ocularium::lab::headless::Which;
-use ocularium::lab::headless::Headless;
-use ocularium::motion::engine::{GazeCommand, Oculomotor, OculomotorState};
-use ocularium::motion::MotionCommand;
-use ocularium::stage::Session;
 use ocularium::frame::readiness::Readiness;
+use ocularium::lab::headless::Headless;
+use ocularium::lab::headless::Which;
+use ocularium::motion::MotionCommand;
+use ocularium::motion::engine::{GazeCommand, Oculomotor, OculomotorState};
+use ocularium::patients::{PatientFile, load_patient};
 use ocularium::scene::catalog::{BuiltIn, LoadedScene};
+use ocularium::stage::Session;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Several apps at once on a software device only slow each other down: hold this while drawing.
@@ -70,9 +70,7 @@ pub fn without_blinks(headless: &mut Headless) {
     let mut controller = headless.controller_mut();
     let mut settings = controller.engine().settings().clone();
     settings.blinks = false;
-    controller
-        .set_settings(settings)
-        .expect("sound settings");
+    controller.set_settings(settings).expect("sound settings");
 }
 
 /// Commands a gaze in degrees, which the next frame obeys.

@@ -3,8 +3,8 @@
 use crate::stage::{alone, luma_at, open, session, statistics};
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::lab::headless::Which;
+use ocularium::patients::{PatientFile, PupilSetting};
 
 /// Lumas of a part of a picture: the darkest and the mean.
 fn darkest_and_mean(picture: &RgbaImage, [left, top, right, bottom]: [u32; 4]) -> (f64, f64) {

@@ -19,9 +19,10 @@ struct Studio {
 fn round_lamp(d: vec3<f32>, direction: vec3<f32>, radius: f32, blur: f32) -> f32 {
     let edge = max(blur, 0.02);
     let angle = acos(clamp(dot(d, direction), -1.0, 1.0));
-    // The soft edge widens the lamp: its light stays what it was.
-    let spread = max(radius, edge);
-    return smoothstep(radius + edge, radius - edge, angle) / (spread * spread);
+    // A lamp is at least as wide as its edge, and the edge adds a fifth of its square: the light stays
+    // what it was.
+    let wide = max(radius, edge);
+    return smoothstep(wide + edge, wide - edge, angle) / (wide * wide + 0.2 * edge * edge);
 }
 
 // Radiance that arrives from direction d: a room with a four-paned window

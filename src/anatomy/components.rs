@@ -349,9 +349,7 @@ impl Gaze {
     pub fn globe_rotation(&self, eye: &Eye) -> Quat {
         let [outwards, down] = eye.angle_alpha_deg.map(|angle| angle.to_radians() as f32);
         let temporal = eye.laterality.temporal_sign() as f32;
-        self.rotation()
-            * Quat::from_rotation_y(-temporal * outwards)
-            * Quat::from_rotation_x(-down)
+        self.rotation() * Quat::from_rotation_y(-temporal * outwards) * Quat::from_rotation_x(-down)
     }
 }
 

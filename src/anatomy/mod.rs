@@ -50,6 +50,9 @@ impl EyeFinder<'_, '_> {
                 .get(**entity)
                 .is_ok_and(|eye| eye.laterality == wanted)
         };
-        eyes.iter().find(is_wanted).or_else(|| eyes.first()).copied()
+        eyes.iter()
+            .find(is_wanted)
+            .or_else(|| eyes.first())
+            .copied()
     }
 }

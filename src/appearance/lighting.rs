@@ -30,9 +30,33 @@ impl Arriving {
 /// The lights of the world.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct WorldLights<'w, 's> {
-    suns: Query<'w, 's, (&'static DirectionalLight, &'static GlobalTransform, Option<&'static RenderLayers>)>,
-    points: Query<'w, 's, (&'static PointLight, &'static GlobalTransform, Option<&'static RenderLayers>)>,
-    spots: Query<'w, 's, (&'static SpotLight, &'static GlobalTransform, Option<&'static RenderLayers>)>,
+    suns: Query<
+        'w,
+        's,
+        (
+            &'static DirectionalLight,
+            &'static GlobalTransform,
+            Option<&'static RenderLayers>,
+        ),
+    >,
+    points: Query<
+        'w,
+        's,
+        (
+            &'static PointLight,
+            &'static GlobalTransform,
+            Option<&'static RenderLayers>,
+        ),
+    >,
+    spots: Query<
+        'w,
+        's,
+        (
+            &'static SpotLight,
+            &'static GlobalTransform,
+            Option<&'static RenderLayers>,
+        ),
+    >,
     ambient: Option<Res<'w, GlobalAmbientLight>>,
 }
 
@@ -58,16 +82,17 @@ impl WorldLights<'_, '_> {
             radius_rad: SUN_RAD,
         });
         // Bevy's point and spot lights send Φ/4π in every direction.
-        let near = |color: Color, lumen: f32, radius: f32, transform: &GlobalTransform, share: f32| {
-            let towards = transform.translation() - eye;
-            let distance = towards.length().max(1e-2);
-            Arriving {
-                direction: to_head * (towards / distance),
-                over_pi: linear(color)
-                    * (share * lumen / (4.0 * PI * distance * distance * PI)),
-                radius_rad: (radius / distance).atan().max(SUN_RAD),
-            }
-        };
+        let near =
+            |color: Color, lumen: f32, radius: f32, transform: &GlobalTransform, share: f32| {
+                let towards = transform.translation() - eye;
+                let distance = towards.length().max(1e-2);
+                Arriving {
+                    direction: to_head * (towards / distance),
+                    over_pi: linear(color)
+                        * (share * lumen / (4.0 * PI * distance * distance * PI)),
+                    radius_rad: (radius / distance).atan().max(SUN_RAD),
+                }
+            };
         let points = self.points.iter().filter(|point| shares(point.2, layers));
         let points = points.map(|(point, transform, _)| {
             near(point.color, point.intensity, point.radius, transform, 1.0)
@@ -78,7 +103,13 @@ impl WorldLights<'_, '_> {
             let angle = away.dot(transform.forward().into()).clamp(-1.0, 1.0).acos();
             let width = (spot.outer_angle - spot.inner_angle).max(1e-3);
             let share = ((spot.outer_angle - angle) / width).clamp(0.0, 1.0);
-            near(spot.color, spot.intensity, spot.radius, transform, share * share)
+            near(
+                spot.color,
+                spot.intensity,
+                spot.radius,
+                transform,
+                share * share,
+            )
         });
         let mut lights: Vec<Arriving> = suns
             .chain(points)
@@ -123,7 +154,13 @@ impl WorldLights<'_, '_> {
 
 /// Hands each eye the light that falls on it, where that has changed.
 pub fn light_eyes(
-    mut models: Query<(&EyeLight, &GlobalTransform, &Visibility, Option<&RenderLayers>, &mut EyeParts)>,
+    mut models: Query<(
+        &EyeLight,
+        &GlobalTransform,
+        &Visibility,
+        Option<&RenderLayers>,
+        &mut EyeParts,
+    )>,
     lights: WorldLights,
     mut assets: EyeAssets,
 ) {

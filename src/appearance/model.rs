@@ -126,7 +126,12 @@ pub struct EyeAssets<'w> {
 }
 
 /// The anatomy that an eye is built from.
-type Built<'a> = (Ref<'a, Eye>, Ref<'a, Cornea>, Ref<'a, Iris>, Ref<'a, Sclera>);
+type Built<'a> = (
+    Ref<'a, Eye>,
+    Ref<'a, Cornea>,
+    Ref<'a, Iris>,
+    Ref<'a, Sclera>,
+);
 
 /// What of a model decides how it is built.
 type Model<'a> = (

@@ -46,8 +46,8 @@ pub fn move_eyes(
         let nasal = -side(eye.laterality);
         for (entity, material) in &parts.globe {
             if let Ok(mut transform) = transforms.get_mut(*entity) {
-                *transform = Transform::from_rotation(rotation)
-                    .with_scale(Vec3::splat(METRES_A_MM));
+                *transform =
+                    Transform::from_rotation(rotation).with_scale(Vec3::splat(METRES_A_MM));
             }
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.globe.head_from_eye = Mat4::from_quat(rotation);

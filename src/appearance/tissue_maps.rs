@@ -90,11 +90,7 @@ pub(super) fn sclera_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
     map_image(&map.levels(), false)
 }
 pub(super) fn reflectance_image(iris: &Iris) -> Image {
-    let table = IrisReflectanceTable::many_flux(
-        &iris.pigment(),
-        IRIS_TABLE[0],
-        IRIS_TABLE[1],
-    );
+    let table = IrisReflectanceTable::many_flux(&iris.pigment(), IRIS_TABLE[0], IRIS_TABLE[1]);
     let texels = table
         .rgb()
         .iter()

@@ -13,19 +13,19 @@ use super::approximations::{
     self, Effort, Requirement, TableSize, Task, joint_csv, report, requirements,
     tables_at_run_time, task_csv,
 };
-use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
 use super::render::median;
-use crate::patients::{PatientError, load_patient};
 use crate::appearance::EyeQuality;
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
-use crate::stage::Session;
+use crate::output_file::{FolderLock, WriteError, prepare_folder, write_whole};
+use crate::patients::{PatientError, load_patient};
 use crate::percept::gpu_data::table_slots;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneError;
 use crate::scene::room::{room, room_scaled};
+use crate::stage::Session;
 use bevy::math::UVec2;
 use bevy::prelude::Msaa;
 use plotters::prelude::*;

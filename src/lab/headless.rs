@@ -1,16 +1,16 @@
 //! The app without a window: the same plugins, a clock that is set, panels that are read back.
 
-use crate::frame::picture::from_padded_rows;
 use crate::OculariumPlugins;
 use crate::appearance::{EyeOrbit, EyeQuality};
-use crate::frame::{Drive, Panel, SimulationClock, device_settings};
 use crate::frame::ledger::{Work, WorkLedger};
+use crate::frame::picture::from_padded_rows;
+use crate::frame::readiness::Readiness;
+use crate::frame::{Drive, Panel, SimulationClock, device_settings};
 use crate::motion::GazeController;
 use crate::motion::engine::OculomotorState;
-use crate::frame::readiness::Readiness;
-use crate::percept::{Percept, ViewOptions};
+use crate::percept::{Percept, PerceptFrame, ViewOptions};
 use crate::stage::{Session, SessionCommand, Stage, StagePlugin};
-use bevy::app::TerminalCtrlCHandlerPlugin;
+use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
@@ -66,6 +66,10 @@ pub struct Headless {
     app: App,
 }
 
+fn no_picture() -> HeadlessError {
+    HeadlessError::ReadBack("the panel has no picture yet".into())
+}
+
 /// Is there anything to draw with? Bevy would stop the program where this gives a sentence.
 pub fn require_device() -> Result<(), HeadlessError> {
     let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
@@ -77,6 +81,27 @@ pub fn require_device() -> Result<(), HeadlessError> {
         .map_err(|error| HeadlessError::NoDevice(error.to_string()))
 }
 
+/// Bevy's default plugins without a window, for an app that is stepped by hand.
+pub fn plugins() -> PluginGroupBuilder {
+    DefaultPlugins
+        .build()
+        .disable::<WinitPlugin>()
+        .disable::<PipelinedRenderingPlugin>()
+        .disable::<TerminalCtrlCHandlerPlugin>()
+        // The program's own messages are sentences; the log is for defects.
+        .disable::<LogPlugin>()
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: true,
+            render_creation: device_settings().into(),
+            ..default()
+        })
+}
+
 impl Headless {
     /// Builds the app and draws until its first frame is complete, at time 0.
     pub fn new(
@@ -86,26 +111,8 @@ impl Headless {
     ) -> Result<Self, HeadlessError> {
         require_device()?;
         let mut app = App::new();
-        app.add_plugins(
-            DefaultPlugins
-                .build()
-                .disable::<WinitPlugin>()
-                .disable::<PipelinedRenderingPlugin>()
-                .disable::<TerminalCtrlCHandlerPlugin>()
-                // The program's own messages are sentences; the log is for defects.
-                .disable::<LogPlugin>()
-                .set(WindowPlugin {
-                    primary_window: None,
-                    exit_condition: ExitCondition::DontExit,
-                    ..default()
-                })
-                .set(RenderPlugin {
-                    synchronous_pipeline_compilation: true,
-                    render_creation: device_settings().into(),
-                    ..default()
-                }),
-        );
         app.add_plugins((
+            plugins(),
             OculariumPlugins,
             StagePlugin {
                 session,
@@ -113,6 +120,12 @@ impl Headless {
                 shown,
             },
         ));
+        Self::of(app)
+    }
+
+    /// An app that was built with [`plugins`], drawn until its first frame is complete, at time 0.
+    pub fn of(mut app: App) -> Result<Self, HeadlessError> {
+        require_device()?;
         app.insert_resource(SimulationClock {
             drive: Drive::Manual(0.0),
             ..default()
@@ -193,6 +206,8 @@ impl Headless {
     }
 
     fn on_camera<C: Component>(&self, which: Which) -> Option<&C> {
+        // An app of somebody's own has no stage.
+        self.app.world().get_resource::<Stage>()?;
         self.app.world().get::<C>(self.camera(which))
     }
 
@@ -216,6 +231,11 @@ impl Headless {
 
     /// The state of the view.
     pub fn percept(&self) -> &Percept {
+        self.on_camera(Which::View).expect("the view is worn")
+    }
+
+    /// What the view's passes were told in the last frame.
+    pub fn frame(&self) -> &PerceptFrame {
         self.on_camera(Which::View).expect("the view is worn")
     }
 
@@ -318,13 +338,17 @@ impl Headless {
 
     /// The picture of a panel as it is now, sRGB-encoded.
     pub fn panel(&self, which: Which) -> Result<RgbaImage, HeadlessError> {
-        let missing = || HeadlessError::ReadBack("the panel has no picture yet".into());
-        let panel = self.on_camera::<Panel>(which).ok_or_else(missing)?;
+        let panel = self.on_camera::<Panel>(which).ok_or_else(no_picture)?;
+        self.picture(&panel.image)
+    }
+
+    /// The picture that a camera has drawn into an image of our format, sRGB-encoded.
+    pub fn picture(&self, image: &Handle<Image>) -> Result<RgbaImage, HeadlessError> {
         let render_world = self.app.sub_app(RenderApp).world();
         let image = render_world
             .resource::<RenderAssets<GpuImage>>()
-            .get(&panel.image)
-            .ok_or_else(missing)?;
+            .get(image)
+            .ok_or_else(no_picture)?;
         let size = image.texture_descriptor.size;
         let device = render_world.resource::<RenderDevice>();
         let queue = render_world.resource::<RenderQueue>();

@@ -6,10 +6,10 @@
 pub mod approximations;
 #[cfg(feature = "app")]
 pub mod bench;
-pub mod files;
 pub mod headless;
 pub mod image_difference;
 #[cfg(feature = "app")]
 pub mod irradiance;
 pub mod measure;
+pub mod record;
 pub mod render;

@@ -1,14 +1,14 @@
 //! `ocularium render`: frames, a trace, and a report of what was done.
 
-use super::files::{FolderLock, WriteError, prepare_folder, write_whole};
 use super::headless::{Headless, HeadlessError, Which};
-pub use crate::frame::picture::encode_png;
-use crate::frame::picture::side_by_side;
 use crate::appearance::EyeOrbit;
 use crate::frame::ledger::Work;
+pub use crate::frame::picture::encode_png;
+use crate::frame::picture::side_by_side;
 use crate::motion::trace::{TraceRow, write_trace};
-use crate::percept::places::FEWEST_CORNERS;
+use crate::output_file::{FolderLock, WriteError, prepare_folder, write_whole};
 use crate::percept::ViewOptions;
+use crate::percept::places::FEWEST_CORNERS;
 use crate::stage::Session;
 use bevy::math::UVec2;
 use image::RgbaImage;

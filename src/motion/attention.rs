@@ -13,8 +13,8 @@ use glam::DVec3;
 use rand::Rng;
 
 use crate::anatomy::gaze::GazeAngles;
-use crate::motion::random;
 use crate::anatomy::visual_field::VisualField;
+use crate::motion::random;
 
 /// Something worth looking at, in head-fixed angles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -155,7 +155,8 @@ fn returns_are_delayed_and_not_banned() {
 
 #[test]
 fn a_lost_region_is_never_chosen() {
-    let field = crate::conditions::glaucoma::glaucoma_field(GlaucomaStage::Severe, Laterality::OD, 50.0);
+    let field =
+        crate::conditions::glaucoma::glaucoma_field(GlaucomaStage::Severe, Laterality::OD, 50.0);
     let candidates = grid(2.5);
     let current = GazeAngles::new(0.1, -0.05);
     let mut chosen = 0;

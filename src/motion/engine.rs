@@ -19,7 +19,6 @@ mod state;
 
 use super::accommodation::{Approach, steady_response_d, step_time_constant_s};
 use super::blink::Blink;
-use crate::anatomy::gaze::GazeAngles;
 use super::pupil::{
     CONSTRICTION_TIME_CONSTANT_S, Hippus, PUPIL_RANGE_MM, PupilMode, steady_diameter_mm,
     time_constant_s,
@@ -28,8 +27,9 @@ use super::random;
 use super::settings::{
     FixationTiming, MotionError, NIESSNER_LENS_TIME_CONSTANT_S, OculomotorSettings,
 };
-use crate::motion::attention::{self, Visit};
+use crate::anatomy::gaze::GazeAngles;
 use crate::anatomy::visual_field::VisualField;
+use crate::motion::attention::{self, Visit};
 use curve::GazeCurve;
 use queue::{Event, EventQueue, Target};
 
@@ -303,9 +303,9 @@ impl Oculomotor {
         self.landed_s = self.time_s + flight_s;
         self.fixation = target;
         let vergence_per_m = 1.0 / target.distance_m;
-        self.vergence = self
-            .vergence
-            .turn_to(self.time_s, vergence_per_m, VERGENCE_TIME_CONSTANT_S);
+        self.vergence =
+            self.vergence
+                .turn_to(self.time_s, vergence_per_m, VERGENCE_TIME_CONSTANT_S);
         self.fixation_index += 1;
         if let Some(last) = self.records.last_mut() {
             last.end_s = self.time_s;

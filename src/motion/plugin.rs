@@ -5,7 +5,10 @@ use super::engine::{GazeCommand, Oculomotor, OculomotorState};
 use super::settings::{MotionError, OculomotorSettings, PupilMode};
 use super::trace::TraceRow;
 use crate::anatomy::gaze::GazeAngles;
-use crate::anatomy::{Accommodation, Adaptation, Cornea, Eye, EyeFinder, EyeOf, Eyelids, Eyes, Gaze, Iris, Laterality, Lens, Patient, Pupil, PupilControl, Refraction, VisualField};
+use crate::anatomy::{
+    Accommodation, Adaptation, Cornea, Eye, EyeFinder, EyeOf, Eyelids, Eyes, Gaze, Iris,
+    Laterality, Lens, Patient, Pupil, PupilControl, Refraction, VisualField,
+};
 use crate::frame::{EyeSystems, SimulationClock};
 use crate::optics::accommodation::hofstetter_amplitude_d;
 use bevy::prelude::*;
@@ -155,7 +158,10 @@ impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<MotionCommand>()
             .add_systems(Update, give_controllers.in_set(EyeSystems::Sense))
-            .add_systems(Update, (hold_pupils, decide).chain().in_set(EyeSystems::Decide))
+            .add_systems(
+                Update,
+                (hold_pupils, decide).chain().in_set(EyeSystems::Decide),
+            )
             .add_systems(Update, move_eyes.in_set(EyeSystems::Move));
     }
 }
@@ -236,9 +242,8 @@ fn decide(
 ) {
     let commands: Vec<_> = asked.read().cloned().collect();
     for (entity, mut controller, candidates, patient, control, adaptation) in &mut movers {
-        let Some((lens, refraction, field)) = finder
-            .find(entity)
-            .and_then(|(eye, _)| eyes.get(eye).ok())
+        let Some((lens, refraction, field)) =
+            finder.find(entity).and_then(|(eye, _)| eyes.get(eye).ok())
         else {
             continue;
         };

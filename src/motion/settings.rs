@@ -6,10 +6,10 @@
 use rand::Rng;
 use thiserror::Error;
 
-use crate::optics::accommodation::hofstetter_amplitude_d;
 use super::pupil::PUPIL_RANGE_MM;
 use super::random;
 use crate::motion::attention::AttentionSettings;
+use crate::optics::accommodation::hofstetter_amplitude_d;
 
 pub use super::blink::BlinkRate;
 pub use super::pupil::PupilMode;

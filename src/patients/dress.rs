@@ -209,7 +209,9 @@ impl DressedPatient<'_, '_> {
             age_years: patient.age_years,
             interpupillary_mm: patient.interpupillary_mm,
             seed: patient.seed,
-            pupil: pupil.fixed_mm.map_or(PupilSetting::Auto, PupilSetting::Fixed),
+            pupil: pupil
+                .fixed_mm
+                .map_or(PupilSetting::Auto, PupilSetting::Fixed),
             skin_tone: skin.tone,
             starve_rate_per_s: field.starve_rate_per_s,
             voxel_mm: field.voxel_m * 1e3,

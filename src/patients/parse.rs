@@ -94,7 +94,11 @@ impl PatientFile {
         self.check_text(file)?;
         for eye in Laterality::BOTH {
             let one = self.of_eye(eye);
-            let own = if one == self.of_eye(eye.other()) { None } else { Some(eye) };
+            let own = if one == self.of_eye(eye.other()) {
+                None
+            } else {
+                Some(eye)
+            };
             one.check_eye(file).map_err(|error| error.of_eye(own))?;
         }
         Ok(())
@@ -377,7 +381,10 @@ mod tests {
         }
         assert!(!said("(sphere_d: -40.0)").contains("right"));
         let error = said("(right: (age_years: 4.0))");
-        assert!(error.contains("age_years") && error.contains("sphere_d"), "{error}");
+        assert!(
+            error.contains("age_years") && error.contains("sphere_d"),
+            "{error}"
+        );
     }
 
     #[test]

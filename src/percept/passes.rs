@@ -17,6 +17,7 @@ use crate::frame::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core2d, Core2dSystems, Core3d, Core3dSystems};
 use bevy::prelude::*;
+use bevy::render::camera::ExtractedCamera;
 use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::render_asset::{RenderAssets, prepare_assets};
 use bevy::render::render_resource::BindingResource::{
@@ -24,9 +25,10 @@ use bevy::render::render_resource::BindingResource::{
 };
 use bevy::render::render_resource::{
     AddressMode, CommandEncoder, ComputePassDescriptor, Extent3d, FilterMode, LoadOp,
-    MipmapFilterMode, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
-    Sampler, SamplerDescriptor, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, TextureViewDescriptor,
+    MipmapFilterMode, Operations, Origin3d, PipelineCache, RenderPassColorAttachment,
+    RenderPassDescriptor, Sampler, SamplerDescriptor, StoreOp, TexelCopyTextureInfo,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    TextureViewDescriptor,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderGraph, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
@@ -72,7 +74,10 @@ pub fn build_render(app: &mut App) {
             ),
         )
         .add_systems(RenderGraph, draw_views.before(camera_driver))
-        .add_systems(Core3d, capture_scene.in_set(Core3dSystems::EarlyPostProcess))
+        .add_systems(
+            Core3d,
+            capture_scene.in_set(Core3dSystems::EarlyPostProcess),
+        )
         .add_systems(Core2d, hand_on.in_set(Core2dSystems::EarlyPostProcess));
 }
 
@@ -105,15 +110,22 @@ fn prepare(
             .or_insert_with(|| ViewGpu::new(&device));
         // Whoever lays out the window may have given the panel another size after the frame's numbers
         // were made; its new image is empty.
-        let target = images.get(&frame.target).map(|image| &image.texture_descriptor);
+        let target = images
+            .get(&frame.target)
+            .map(|image| &image.texture_descriptor);
         view.target = target.map_or(UVec2::ZERO, |target| {
             UVec2::new(target.size.width, target.size.height)
         });
         view.format = target.map_or(view.format, |target| target.format);
-        pipelines.are_ready(&cache, FRAME_PASSES, frame.field_loss.is_some(), view.format);
+        pipelines.are_ready(
+            &cache,
+            FRAME_PASSES,
+            frame.field_loss.is_some(),
+            view.format,
+        );
         upload_field(view, frame, &device, &queue, &ledger);
-        view.present = frame.present
-            || (view.presented != UVec2::ZERO && view.presented != view.target);
+        view.present =
+            frame.present || (view.presented != UVec2::ZERO && view.presented != view.target);
         if frame.update || view.present {
             let mut uniform = frame.uniform;
             uniform.slot_mask = view.table.as_ref().map_or(0, |table| table.slots - 1);
@@ -250,7 +262,14 @@ fn capture_scene(
         ledger: &ledger,
         sampler,
     };
-    if capture(frame, view, &queue, &mut recorder, Pass::CaptureScene, &source) {
+    if capture(
+        frame,
+        view,
+        &queue,
+        &mut recorder,
+        Pass::CaptureScene,
+        &source,
+    ) {
         show_captured(frame, view, &queue, &images, &mut recorder);
     }
 }
@@ -276,13 +295,13 @@ fn show_captured(
     }
 }
 
-/// A view's picture goes to the window that its camera draws into.
+/// A view's picture goes to the window, or the part of a target, that its camera draws into.
 fn hand_on(
-    view: ViewQuery<(&ViewTarget, &Presents)>,
+    view: ViewQuery<(&ViewTarget, &ExtractedCamera, &Presents)>,
     images: Res<RenderAssets<GpuImage>>,
     mut ctx: RenderContext,
 ) {
-    let (target, presents) = view.into_inner();
+    let (target, camera, presents) = view.into_inner();
     let Some(image) = images.get(&presents.0) else {
         return;
     };
@@ -290,16 +309,24 @@ fn hand_on(
     if from.format() != to.format() {
         return;
     }
+    let viewport = camera.viewport.as_ref();
+    let corner = viewport.map_or(UVec2::ZERO, |viewport| viewport.physical_position);
+    let room = UVec2::new(to.width(), to.height()).saturating_sub(corner);
     let size = Extent3d {
-        width: from.width().min(to.width()),
-        height: from.height().min(to.height()),
+        width: from.width().min(room.x),
+        height: from.height().min(room.y),
         depth_or_array_layers: 1,
     };
-    ctx.command_encoder().copy_texture_to_texture(
-        from.as_image_copy(),
-        to.as_image_copy(),
-        size,
-    );
+    let place = TexelCopyTextureInfo {
+        origin: Origin3d {
+            x: corner.x,
+            y: corner.y,
+            z: 0,
+        },
+        ..to.as_image_copy()
+    };
+    ctx.command_encoder()
+        .copy_texture_to_texture(from.as_image_copy(), place, size);
 }
 
 /// Everything that a new view needs once: capture, mips, corners, slots, and the copies for the CPU.
@@ -333,11 +360,8 @@ fn capture(
     let Some(table) = &gpu.table else {
         return false;
     };
-    let (uniform, counters, candidates) = (
-        &gpu.capture_uniform,
-        &gpu.feature_counters,
-        &gpu.candidates,
-    );
+    let (uniform, counters, candidates) =
+        (&gpu.capture_uniform, &gpu.feature_counters, &gpu.candidates);
     let mut data = frame.uniform;
     data.slot_mask = table.slots - 1;
     data.rebase_steps = FORGET;
@@ -558,9 +582,13 @@ fn show(
         (4, view.tile_near.as_entire_binding()),
     ];
     bound.extend(field_at(5));
-    let found = recorder
-        .pipelines
-        .present(recorder.device, recorder.cache, field_loss, gpu.format, &bound);
+    let found = recorder.pipelines.present(
+        recorder.device,
+        recorder.cache,
+        field_loss,
+        gpu.format,
+        &bound,
+    );
     let Some((pipeline, bindings)) = found else {
         return false;
     };

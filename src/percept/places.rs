@@ -175,6 +175,7 @@ mod tests {
     use super::*;
     use crate::scene::catalog::SceneSource;
     use crate::scene::photo::{PhotoDepth, PhotoScene};
+    use std::sync::Arc;
 
     #[test]
     fn pixels_and_directions_agree() {

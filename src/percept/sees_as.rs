@@ -9,7 +9,7 @@ use super::view::{Percept, ViewOptions};
 use crate::frame::Panel;
 use crate::frame::panel::{LARGEST_SIDE, SMALLEST_SIDE, target_image};
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{CameraMainTextureUsages, Hdr, RenderTarget};
+use bevy::camera::{CameraMainTextureUsages, Hdr, RenderTarget, Viewport};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::*;
@@ -30,10 +30,11 @@ pub struct SeesAs(pub Entity);
 #[derive(Component, Clone, Debug)]
 pub struct Worn {
     target: RenderTarget,
+    viewport: Option<Viewport>,
     msaa: Option<Msaa>,
     tonemapping: Option<Tonemapping>,
     was_active: bool,
-    /// Whom a window's picture is handed to, and that picture.
+    /// Who hands the picture on to a window, or to a part of a target, and that picture.
     presenter: Option<(Entity, Handle<Image>)>,
     size: UVec2,
 }
@@ -53,7 +54,7 @@ impl Worn {
     }
 }
 
-/// A camera that hands a view's picture to a window.
+/// A camera that hands a view's picture on.
 #[derive(Component, Clone, Debug, ExtractComponent)]
 pub struct Presents(pub Handle<Image>);
 
@@ -77,12 +78,15 @@ pub(super) fn put_on(
         let usages = TextureUsages::from(camera_3d.depth_texture_usages);
         camera_3d.depth_texture_usages = (usages | TextureUsages::TEXTURE_BINDING).into();
         let own = target.clone();
-        let presenter = matches!(own, RenderTarget::Window(_)).then(|| {
+        let viewport = camera.viewport.take();
+        let is_handed_on = viewport.is_some() || matches!(own, RenderTarget::Window(_));
+        let presenter = is_handed_on.then(|| {
             let image = images.add(target_image(UVec2::splat(SMALLEST_SIDE)));
             let presenter = commands.spawn((
                 Camera2d,
                 Camera {
                     order: camera.order,
+                    viewport: viewport.clone(),
                     clear_color: ClearColorConfig::Custom(Color::BLACK),
                     ..default()
                 },
@@ -104,6 +108,7 @@ pub(super) fn put_on(
         commands.entity(entity).insert((
             Worn {
                 target: own,
+                viewport,
                 msaa: msaa.copied(),
                 tonemapping: tonemapping.copied(),
                 was_active,
@@ -123,6 +128,7 @@ pub(super) fn take_off(
 ) {
     for (entity, worn, mut camera, mut target) in &mut cameras {
         *target = worn.target.clone();
+        camera.viewport = worn.viewport.clone();
         camera.is_active = worn.was_active;
         let mut camera = commands.entity(entity);
         camera.remove::<(Worn, Percept, PerceptFrame)>();
@@ -138,7 +144,11 @@ pub(super) fn take_off(
 }
 
 /// A camera's presenter goes with it.
-pub(super) fn dismiss_presenters(removed: On<Remove, Worn>, worn: Query<&Worn>, mut commands: Commands) {
+pub(super) fn dismiss_presenters(
+    removed: On<Remove, Worn>,
+    worn: Query<&Worn>,
+    mut commands: Commands,
+) {
     if let Ok(worn) = worn.get(removed.entity)
         && let Some((presenter, _)) = worn.presenter
     {
@@ -154,7 +164,12 @@ pub(super) fn measure_targets(
     mut images: ResMut<Assets<Image>>,
 ) {
     for (mut worn, panel) in &mut cameras {
+        let part = worn
+            .viewport
+            .as_ref()
+            .map(|viewport| viewport.physical_size);
         let size = match (&worn.target, panel) {
+            _ if part.is_some() => part,
             (_, Some(panel)) => Some(panel.size),
             (RenderTarget::Window(window), None) => {
                 let window = match window {

@@ -145,7 +145,9 @@ fn redrawn(changes: &mut SceneChanges, drawn: &Query<Drawn>, surfaces: &mut Surf
     let images = modified(&mut surfaces.images);
     if !images.is_empty() {
         let shows = |texture: &Option<Handle<Image>>| {
-            texture.as_ref().is_some_and(|texture| images.contains(&texture.id()))
+            texture
+                .as_ref()
+                .is_some_and(|texture| images.contains(&texture.id()))
         };
         let textured = surfaces.standard.iter().filter(|(_, material)| {
             [

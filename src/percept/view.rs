@@ -8,7 +8,9 @@ use super::memory::SharpnessField;
 use super::places::{candidates_of, direction_of, distance_m};
 use super::sees_as::{SeesAs, Worn};
 use super::sight::SceneChanges;
-use crate::anatomy::{Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, Pupil, Refraction, VisualField};
+use crate::anatomy::{
+    Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, Pupil, Refraction, VisualField,
+};
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::{Candidates, GazeController};
@@ -281,18 +283,36 @@ pub(super) fn drive_captures(
     mut images: ResMut<Assets<Image>>,
     mut views: Query<Capturing, With<SeesAs>>,
 ) {
-    for (worn, options, transform, panel, photo, layers, projection, mut percept, mut camera, mut target) in
-        &mut views
+    for (
+        worn,
+        options,
+        transform,
+        panel,
+        photo,
+        layers,
+        projection,
+        mut percept,
+        mut camera,
+        mut target,
+    ) in &mut views
     {
         let size = worn.size();
         let visible = panel.is_none_or(|panel| panel.visible) && size != UVec2::ZERO;
         let drawing = visible && {
             let percept = &mut *percept;
-            let is_resized = lay_out(percept, photo, size, options, &readiness, &mut images, &mut target);
+            let is_resized = lay_out(
+                percept,
+                photo,
+                size,
+                options,
+                &readiness,
+                &mut images,
+                &mut target,
+            );
             let sight = sight_of(percept, transform, &projection);
             let is_photo = percept.photo.is_some();
-            let has_changed = is_resized
-                || (!is_photo && (sight != percept.sight || changes.touch(layers)));
+            let has_changed =
+                is_resized || (!is_photo && (sight != percept.sight || changes.touch(layers)));
             percept.sight = sight;
             let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
             drive(percept, has_changed, quiet) && !is_photo
@@ -392,7 +412,9 @@ fn drive(percept: &mut Percept, has_changed: bool, quiet: bool) -> bool {
             percept.ask();
         }
         Stage::Wanted => percept.waited += 1,
-        Stage::Asked if (has_changed || percept.is_unread) && percept.is_recorded() => percept.ask(),
+        Stage::Asked if (has_changed || percept.is_unread) && percept.is_recorded() => {
+            percept.ask()
+        }
         Stage::Asked => percept.captured_half = percept.sight.half,
         Stage::Done if has_changed => {
             percept.is_unfinished = !quiet;
@@ -457,9 +479,9 @@ pub(super) fn perceive(
 ) {
     let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
     for (sees, worn, panel, options, mut percept, mut frame) in &mut views {
-        let found = finder.find(sees.0).and_then(|(eye, patient)| {
-            Some((eyes.get(eye).ok()?, people.get(patient).ok()?))
-        });
+        let found = finder
+            .find(sees.0)
+            .and_then(|(eye, patient)| Some((eyes.get(eye).ok()?, people.get(patient).ok()?)));
         let (Some((eye, person)), Some(target)) = (found, worn.image()) else {
             *frame = PerceptFrame::default();
             continue;

@@ -6,9 +6,9 @@ use bevy::asset::RenderAssetUsages;
 use bevy::ecs::component::Component;
 use bevy::image::Image;
 use bevy::math::{UVec2, Vec2};
-use std::sync::Arc;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use half::f16;
+use std::sync::Arc;
 
 /// The photograph that a camera looks at in place of what stands before it in the world.
 #[derive(Component, Clone, Debug)]

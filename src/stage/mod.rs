@@ -308,7 +308,9 @@ pub struct StageView<'w, 's> {
 impl StageView<'_, '_> {
     /// Where the camera before the eye stands.
     pub fn orbit(&self) -> EyeOrbit {
-        self.eye.get(self.stage.eye).map_or_else(|_| EyeOrbit::default(), |(orbit, _)| *orbit)
+        self.eye
+            .get(self.stage.eye)
+            .map_or_else(|_| EyeOrbit::default(), |(orbit, _)| *orbit)
     }
 
     /// Puts that camera elsewhere.
@@ -341,16 +343,25 @@ impl StageView<'_, '_> {
 
     /// The state of the view; `None` for a stage whose view camera was taken away.
     pub fn percept(&self) -> Option<&Percept> {
-        self.view.get(self.stage.view).ok().map(|(_, percept)| percept)
+        self.view
+            .get(self.stage.view)
+            .ok()
+            .map(|(_, percept)| percept)
     }
 
     /// What moves the patient's eyes; `None` before the first frame.
     pub fn controller(&self) -> Option<&GazeController> {
-        self.people.get(self.stage.patient).ok().map(|(_, controller)| controller)
+        self.people
+            .get(self.stage.patient)
+            .ok()
+            .map(|(_, controller)| controller)
     }
 
     /// The patient; `None` before the first frame.
     pub fn patient(&self) -> Option<&Patient> {
-        self.people.get(self.stage.patient).ok().map(|(patient, _)| patient)
+        self.people
+            .get(self.stage.patient)
+            .ok()
+            .map(|(patient, _)| patient)
     }
 }

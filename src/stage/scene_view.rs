@@ -30,7 +30,15 @@ pub(super) struct Wanted(pub(super) Arc<LoadedScene>);
 pub(super) struct Scenery<'w, 's> {
     adapter: Option<Res<'w, RenderAdapterInfo>>,
     old: Query<'w, 's, Entity, With<ScenePart>>,
-    views: Query<'w, 's, (&'static mut Camera, &'static mut Percept, &'static mut ViewOptions)>,
+    views: Query<
+        'w,
+        's,
+        (
+            &'static mut Camera,
+            &'static mut Percept,
+            &'static mut ViewOptions,
+        ),
+    >,
     meshes: ResMut<'w, Assets<Mesh>>,
     materials: ResMut<'w, Assets<StandardMaterial>>,
     images: ResMut<'w, Assets<Image>>,

@@ -5,9 +5,9 @@ mod chosen;
 use super::pictures::bars;
 use super::state::{Controlled, GazeMode, UiState};
 use super::{OwnScene, Request, Saved};
-use crate::stage::SessionCommand;
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
+use crate::stage::SessionCommand;
 use bevy_egui::egui::{self, Ui};
 
 /// The title, and the button that puts the controls away: it must not scroll away with them.
@@ -46,7 +46,11 @@ pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: 
 fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.separator();
     ui.horizontal(|ui| {
-        let label = if controlled.clock.paused { "▶ Run" } else { "⏸ Pause" };
+        let label = if controlled.clock.paused {
+            "▶ Run"
+        } else {
+            "⏸ Pause"
+        };
         if ui.button(label).clicked() {
             controlled.clock.paused = !controlled.clock.paused;
         }
@@ -59,7 +63,11 @@ fn time(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             controlled.clock.steps += 1;
         }
         if ui.button("Restart").clicked() {
-            let seed = state.seed.trim().parse().unwrap_or_else(|_| controlled.seed());
+            let seed = state
+                .seed
+                .trim()
+                .parse()
+                .unwrap_or_else(|_| controlled.seed());
             controlled
                 .session_commands
                 .write(SessionCommand::Restart(seed));

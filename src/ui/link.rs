@@ -1,13 +1,13 @@
 //! The link of what is shown: read when the app starts or the link changes, and written as things change.
 
-use super::state::{Controlled, GazeMode, Shown, UiState};
 use super::link_state::GAZE_NEAREST_M;
 use super::link_state::{LinkGaze, LinkState};
-use crate::frame::SimulationClock;
-use crate::stage::{Restarted, Session, SessionCommand};
-use crate::motion::MotionCommand;
+use super::state::{Controlled, GazeMode, Shown, UiState};
 use crate::anatomy::gaze::GazeAngles;
+use crate::frame::SimulationClock;
+use crate::motion::MotionCommand;
 use crate::scene::catalog::{BuiltIn, LoadedScene};
+use crate::stage::{Restarted, Session, SessionCommand};
 use bevy::prelude::*;
 
 /// What the link says that the session does not hold; obeyed once when the app starts.

@@ -9,9 +9,9 @@ mod patient;
 
 pub use patient::changes;
 
-use crate::patients::{PRESETS, PatientFile, load_patient};
-use crate::appearance::EyeOrbit;
 use crate::anatomy::gaze::GazeAngles;
+use crate::appearance::EyeOrbit;
+use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::scene::catalog::BuiltIn;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::fmt::Write;

@@ -25,12 +25,10 @@ pub use save::Saved;
 use state::Shown;
 pub use state::{Controlled, GazeMode, UiState};
 
-use crate::patients::PRESETS;
 use crate::frame::EyeSystems;
+use crate::patients::PRESETS;
 use crate::patients::PatientFile;
 use crate::stage::{Panels, SessionCommand};
-use host::Clipboard;
-use own_files::Placement;
 use arrangement::{ControlsPlace, arrange, has_room, zoom_for};
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
@@ -41,6 +39,8 @@ use bevy_egui::{
     EguiContexts, EguiInputSet, EguiPreUpdateSet, EguiPrimaryContextPass, EguiTextureHandle,
     EguiUserTextures,
 };
+use host::Clipboard;
+use own_files::Placement;
 
 /// What the controls ask of the machine.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
@@ -80,11 +80,7 @@ impl Plugin for UiPlugin {
             )
             .add_systems(
                 Update,
-                (
-                    state::describe_patient,
-                    state::look_for_something,
-                )
-                    .after(EyeSystems::Sense),
+                (state::describe_patient, state::look_for_something).after(EyeSystems::Sense),
             )
             .add_systems(
                 Update,

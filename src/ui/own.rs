@@ -1,10 +1,10 @@
 //! A user's own files: dropped, chosen, read beside the frames, and shown.
 
-use super::state::UiState;
-use crate::stage::SessionCommand;
 use super::host::{self, Arrival};
 use super::own_files::{Own, OwnFile, Placement, read_own_files};
+use super::state::UiState;
 use crate::motion::MotionCommand;
+use crate::stage::SessionCommand;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use std::sync::Arc;

@@ -3,12 +3,12 @@
 //! Enters: files with their names, as they came together. Leaves: a patient or a scene, or the
 //! sentence that says what is wrong with them.
 
-use std::sync::Arc;
 use crate::patients::{PatientFile, parse_patient};
 use crate::scene::catalog::{FileKind, LoadedScene, other_format};
 use crate::scene::gltf_file::{Beside, load_gltf_among};
 use crate::scene::photo::{PhotoOptions, load_photo_bytes};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// One file of a user's.
 #[derive(Clone, Debug, PartialEq, Eq)]

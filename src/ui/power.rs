@@ -2,9 +2,9 @@
 
 use crate::appearance::EyeQuality;
 use crate::frame::SimulationClock;
+use crate::frame::readiness::Readiness;
 use crate::percept::ViewOptions;
 use crate::stage::{Panels, StageView};
-use crate::frame::readiness::Readiness;
 use bevy::prelude::*;
 use bevy::winit::{UpdateMode, WinitSettings};
 use std::time::Duration;

@@ -1,9 +1,9 @@
 //! Saving what is seen: the panels' own pixels as PNG.
 
-use super::state::UiState;
 use super::host;
-use crate::frame::picture::{encode_png, from_padded_rows, side_by_side};
+use super::state::UiState;
 use crate::frame::Panel;
+use crate::frame::picture::{encode_png, from_padded_rows, side_by_side};
 use crate::stage::Panels;
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;

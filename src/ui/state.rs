@@ -1,11 +1,11 @@
 //! What the controls remember, and everything that they read and command.
 
-use crate::patients::{PRESETS, load_patient};
 use crate::frame::SimulationClock;
 use crate::frame::ledger::{Work, WorkLedger};
 use crate::motion::engine::GazeCommand;
 use crate::motion::{GazeController, MotionCommand};
 use crate::patients::{DressedPatient, PatientFile};
+use crate::patients::{PRESETS, load_patient};
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::stage::{Panels, SessionCommand, Stage, StageView};
 use bevy::ecs::system::SystemParam;
@@ -191,7 +191,8 @@ impl Controlled<'_, '_> {
     /// Shows or hides the mark where the eye looks.
     pub(super) fn set_marker(&mut self, marker: bool) {
         let options = self.view.options();
-        self.view.set_options(crate::percept::ViewOptions { marker, ..options });
+        self.view
+            .set_options(crate::percept::ViewOptions { marker, ..options });
     }
 }
 

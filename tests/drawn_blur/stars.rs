@@ -8,14 +8,14 @@
 use super::linear;
 use crate::stage::{alone, look, open, patient, settle, without_blinks};
 use bevy::math::UVec2;
-use ocularium::patients::{PatientFile, PupilSetting};
-use ocularium::app::{Session, SessionCommand};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::percept::gather::{combined_blur, neural_blur};
 use ocularium::percept::gpu_data::PerceptUniform;
 use ocularium::scene::catalog::LoadedScene;
 use ocularium::scene::model::{EyePlacement, SceneMaterial, SceneMesh, SceneModel};
+use ocularium::stage::{Session, SessionCommand};
 use std::sync::Arc;
 
 /// Pixels along a side of the view, and the angle that they span.

@@ -9,12 +9,12 @@ use bevy::math::{Quat, UVec2};
 use image::imageops::crop_imm;
 use image::{Rgba, RgbaImage};
 use ocularium::anatomy::IrisColor;
-use ocularium::patients::{PatientFile, PupilSetting};
-use ocularium::app::SessionCommand;
-use ocularium::appearance::Studio;
+use ocularium::appearance::{EyeLight, Studio};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::lab::image_difference::{Difference, Limits, difference_picture};
 use ocularium::lab::render::encode_png;
+use ocularium::patients::{PatientFile, PupilSetting};
+use ocularium::stage::SessionCommand;
 use std::path::{Path, PathBuf};
 
 const EYE_SIZE: u32 = 720;
@@ -97,7 +97,11 @@ impl Moment {
         let turned =
             Quat::from_rotation_y(self.lamp_deg.to_radians()) * studio.key_direction.truncate();
         studio.key_direction = turned.extend(studio.key_direction.w);
-        headless.world().insert_resource(studio);
+        let model = headless.stage().model;
+        headless
+            .world()
+            .entity_mut(model)
+            .insert(EyeLight::Studio(studio));
         headless.command(SessionCommand::Patient(Box::new(self.patient.clone())));
         headless.go_to(0.0);
         settle(headless);

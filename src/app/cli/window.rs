@@ -3,11 +3,11 @@
 use super::placement::{SceneUnit, photo_options};
 use super::sentences::complain;
 use super::{Shown, session};
+use crate::app::windowed::{self, WindowError};
+use crate::scene::photo::read_file;
 use crate::stage::Session;
 use crate::ui::link_state::LinkState;
 use crate::ui::own_files::{OwnFile, Placement};
-use crate::app::windowed::{self, WindowError};
-use crate::scene::photo::read_file;
 use crate::ui::{OwnScene, is_own, session_of};
 use clap::ArgMatches;
 use clap::parser::ValueSource;

@@ -29,9 +29,10 @@ pub fn studio_radiance(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
 pub fn round_lamp(d: DVec3, direction: DVec3, radius: f64, blur: f64) -> f64 {
     let edge = blur.max(0.02);
     let angle = d.dot(direction).clamp(-1.0, 1.0).acos();
-    // The soft edge widens the lamp: its light stays what it was.
-    let spread = radius.max(edge);
-    smoothstep(radius + edge, radius - edge, angle) / (spread * spread)
+    // A lamp is at least as wide as its edge, and the edge adds a fifth of its square: the light stays
+    // what it was.
+    let wide = radius.max(edge);
+    smoothstep(wide + edge, wide - edge, angle) / (wide * wide + 0.2 * edge * edge)
 }
 
 fn window(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
@@ -78,7 +79,8 @@ mod tests {
         // Sum of radiance times solid angle over the window's plane, black surroundings and no fill.
         let studio = Studio {
             fill_color: Vec4::ZERO,
-            ambient_up: Vec4::ZERO,
+            // Black, with a window.
+            ambient_up: Vec4::W,
             ambient_down: Vec4::ZERO,
             ..Studio::default()
         };
@@ -100,5 +102,20 @@ mod tests {
         // Bars of 0.02 across panes of 0.108 and 0.15 leave 0.81 · 0.87, and the sky's fall to the
         // window's foot a quarter less: 0.53; a window without bars would give 0.75.
         assert!((0.5..0.56).contains(&irradiance), "{irradiance}");
+    }
+
+    /// A round lamp's light is what it is given, however soft its edge is.
+    #[test]
+    fn a_round_lamp_gives_the_irradiance_that_it_is_given() {
+        for (radius, blur) in [(0.00465, 0.01), (0.07, 0.0), (0.07, 0.16), (0.2, 0.05)] {
+            let (step, mut sum) = (0.0005, 0.0);
+            for i in 0..1000 {
+                let angle = step * (f64::from(i) + 0.5);
+                let d = DVec3::new(angle.sin(), 0.0, angle.cos());
+                sum += round_lamp(d, DVec3::Z, radius, blur) * 2.0 * angle.sin() * step;
+            }
+            // Up to the sine of the angle for the angle, at most (0.25 + 0.16)²/6.
+            assert!((sum - 1.0).abs() < 0.02, "{radius} {blur}: {sum}");
+        }
     }
 }

@@ -6,11 +6,11 @@
 
 use super::queue::{Event, Target};
 use super::{AHEAD_RAD, Candidate, GazeCurve, Mode, Oculomotor, VERGENCE_TIME_CONSTANT_S};
-use crate::motion::accommodation::{Approach, demand_d};
 use crate::anatomy::gaze::GazeAngles;
+use crate::anatomy::visual_field::VisualField;
+use crate::motion::accommodation::{Approach, demand_d};
 use crate::motion::pupil::{Hippus, LIGHT_REFLEX_LATENCY_S, PupilMode};
 use crate::motion::settings::{MotionError, OculomotorSettings, within};
-use crate::anatomy::visual_field::VisualField;
 
 /// Delay of the pursuit system, s.
 const PURSUIT_DELAY_S: f64 = 0.1;

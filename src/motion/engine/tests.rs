@@ -299,7 +299,8 @@ fn without_candidates_the_eye_rests_and_a_lost_field_slows_it() {
         engine.advance_to(60.0);
         engine.state().fixation_index
     };
-    let severe = crate::conditions::glaucoma::glaucoma_field(GlaucomaStage::Severe, Laterality::OD, 50.0);
+    let severe =
+        crate::conditions::glaucoma::glaucoma_field(GlaucomaStage::Severe, Laterality::OD, 50.0);
     let (healthy, sick) = (moves(None), moves(Some(severe)));
     println!("fixations in 60 s: healthy {healthy}, severe {sick}");
     assert!(sick < healthy * 9 / 10 && sick > 20, "{sick} of {healthy}");

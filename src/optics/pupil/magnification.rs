@@ -55,8 +55,14 @@ mod tests {
             (6.2, 5.2, 0.4, 2.6),
             (9.5, 8.5, 0.8, 4.4),
         ] {
-            let magnification =
-                entrance_pupil_magnification(anterior, posterior, thickness_mm, 1.376, 1.336, depth_mm);
+            let magnification = entrance_pupil_magnification(
+                anterior,
+                posterior,
+                thickness_mm,
+                1.376,
+                1.336,
+                depth_mm,
+            );
             let eye = AnteriorSegment {
                 anterior: DVec2::new(anterior, 1.0),
                 posterior: Some(DVec2::new(posterior, 1.0)),

@@ -1,15 +1,15 @@
 //! What is shown: patient, scene, how a user's own scene stands, files and link.
 
 use super::super::link::built_in;
+use super::super::own_files::Placement;
 use super::super::state::{Controlled, UiState};
 use super::super::{OwnScene, Request, preset_shown};
-use crate::patients::{PRESETS, load_patient};
-use crate::stage::SessionCommand;
-use super::super::own_files::Placement;
 use crate::motion::MotionCommand;
+use crate::patients::{PRESETS, load_patient};
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::scene::depth_file::DepthUnit;
 use crate::scene::photo::{PhotoDepth, PhotoOptions, PhotoScene};
+use crate::stage::SessionCommand;
 use bevy_egui::egui::{self, Ui};
 use std::sync::Arc;
 
@@ -112,12 +112,7 @@ pub fn placement(
                 controlled.show_scene(LoadedScene::Photo(Arc::new(stood)));
             }
             if photo.depth_m.constant_m().is_none() && own.files.is_some() {
-                let asked = depth(
-                    ui,
-                    state,
-                    own.placement.photo,
-                    scene_id,
-                );
+                let asked = depth(ui, state, own.placement.photo, scene_id);
                 if let Some(asked) = asked {
                     controlled.requests.write(Request::ReadAgain(Placement {
                         photo: PhotoOptions {

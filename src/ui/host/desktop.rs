@@ -3,7 +3,7 @@
 use super::super::own_files::OwnFile;
 use super::{Arrival, arrive};
 use crate::input_file::read_input_file;
-use crate::lab::files::write_whole;
+use crate::output_file::write_whole;
 use crate::scene::photo::MAX_FILE_BYTES;
 use bevy::tasks::IoTaskPool;
 use std::path::{Path, PathBuf};

@@ -39,7 +39,11 @@ fn notation(value: &Value) -> String {
             format!("({})", parts.join(","))
         }
         // An enum's variant with a value, as in Fixed(4.0).
-        Value::Object(variant) if variant.keys().any(|name| name.starts_with(char::is_uppercase)) => {
+        Value::Object(variant)
+            if variant
+                .keys()
+                .any(|name| name.starts_with(char::is_uppercase)) =>
+        {
             variant
                 .iter()
                 .map(|(name, value)| format!("{name}({})", notation(value)))

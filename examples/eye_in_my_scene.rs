@@ -1,0 +1,53 @@
+//! Somebody's eyes among other things, under the lights that shine on them.
+//!
+//! `cargo run --release --example eye_in_my_scene`, or with `--frames 5 --out out/eye` without a window.
+
+mod room;
+
+use bevy::camera::Hdr;
+use bevy::prelude::*;
+use ocularium::lab::record::{RecordPlugin, plugins};
+use ocularium::prelude::*;
+
+fn main() -> AppExit {
+    let recording = room::recording();
+    App::new()
+        .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
+        .add_plugins(RecordPlugin(recording))
+        .add_systems(Startup, (room::furnish, look_at_her))
+        .add_systems(Update, wander)
+        .run()
+}
+
+/// Where her eyes are, m.
+const PLACE: Vec3 = Vec3::new(0.0, 1.2, 1.5);
+
+fn look_at_her(mut commands: Commands) {
+    let ann = commands.spawn(Patient::preset("healthy-blue")).id();
+    commands.spawn((EyeModel(ann), Transform::from_translation(PLACE)));
+    commands.spawn((
+        Camera3d::default(),
+        Hdr,
+        Projection::Perspective(PerspectiveProjection {
+            fov: 0.4,
+            near: 0.01,
+            ..default()
+        }),
+        bevy::camera::Exposure::INDOOR,
+        Transform::default(),
+        Wandering,
+    ));
+}
+
+/// The camera that walks around her.
+#[derive(Component)]
+struct Wandering;
+
+fn wander(mut cameras: Query<&mut Transform, With<Wandering>>, clock: Res<SimulationClock>) {
+    for mut camera in &mut cameras {
+        let angle = 0.5 * (clock.time_s as f32).sin();
+        // Her face looks along -z.
+        let away = Vec3::new(angle.sin(), 0.1, -angle.cos()) * 0.11;
+        *camera = Transform::from_translation(PLACE + away).looking_at(PLACE, Vec3::Y);
+    }
+}

@@ -1,0 +1,192 @@
+//! Recording an app of one's own without a window: its pictures, frame by frame, as files.
+//!
+//! Enters: an app built with [`plugins`] and [`RecordPlugin`], and a [`Recording`]. Leaves: `frame_NNNNN.png`
+//! in a folder. Cameras that would draw into the primary window draw into a picture of that size.
+
+use super::headless::{Headless, HeadlessError};
+use crate::frame::panel::target_image;
+use crate::frame::picture::encode_png;
+use crate::output_file::{WriteError, prepare_folder, write_whole};
+use bevy::app::PluginGroupBuilder;
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::window::WindowRef;
+use std::num::NonZero;
+use std::path::PathBuf;
+
+/// What is to be recorded.
+#[derive(Resource, Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Number of frames, 1 and more.
+    pub frames: u64,
+    /// Frames a second of simulated time.
+    pub fps: f64,
+    /// Width and height of the picture, pixels.
+    pub size: UVec2,
+    /// The folder for the frames.
+    pub out: PathBuf,
+}
+
+impl Recording {
+    /// What a command line asks for by `--frames N --out DIR`, with `--fps F` (10 without it) and
+    /// `--size WxH` (1280x640); `None` where it asks for nothing.
+    ///
+    /// # Errors
+    /// One sentence about what is wrong.
+    pub fn from_arguments(
+        arguments: impl IntoIterator<Item = String>,
+    ) -> Result<Option<Self>, String> {
+        let (mut frames, mut out) = (None, None);
+        let (mut fps, mut size) = (10.0, UVec2::new(1280, 640));
+        let mut arguments = arguments.into_iter();
+        while let Some(name) = arguments.next() {
+            let value = arguments
+                .next()
+                .ok_or_else(|| format!("{name} needs a value"))?;
+            let wrong = || format!("{name} {value:?} is not understood");
+            match name.as_str() {
+                "--frames" => {
+                    let count = value.parse::<u64>().ok();
+                    frames = Some(count.filter(|count| *count > 0).ok_or_else(wrong)?);
+                }
+                "--out" => out = Some(PathBuf::from(value)),
+                "--fps" => {
+                    let rate = value.parse::<f64>().ok();
+                    fps = rate
+                        .filter(|rate| (1e-3..=1e3).contains(rate))
+                        .ok_or_else(wrong)?;
+                }
+                "--size" => {
+                    let sides = value.split_once('x').and_then(|(width, height)| {
+                        Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
+                    });
+                    let allowed =
+                        |size: &UVec2| size.min_element() >= 16 && size.max_element() <= 8192;
+                    size = sides.filter(allowed).ok_or_else(wrong)?;
+                }
+                _ => {
+                    return Err(format!(
+                        "{name} is not known; known are --frames N, --out DIR, --fps F and --size WxH"
+                    ));
+                }
+            }
+        }
+        match (frames, out) {
+            (None, None) => Ok(None),
+            (Some(frames), Some(out)) => Ok(Some(Self {
+                frames,
+                fps,
+                size,
+                out,
+            })),
+            _ => Err("--frames and --out go together".into()),
+        }
+    }
+}
+
+/// Why nothing, or not everything, was recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A frame could not be made.
+    #[error(transparent)]
+    Frame(#[from] HeadlessError),
+    /// A picture could not be encoded.
+    #[error("frame {0} could not be encoded: {1}")]
+    Encode(u64, String),
+}
+
+/// Bevy's default plugins: with a window, or, for a recording, without.
+pub fn plugins(recording: Option<&Recording>) -> PluginGroupBuilder {
+    match recording {
+        Some(_) => super::headless::plugins(),
+        None => DefaultPlugins.build(),
+    }
+}
+
+/// Records the app instead of running it, where there is something to record.
+pub struct RecordPlugin(pub Option<Recording>);
+
+/// The picture in the window's place.
+#[derive(Resource)]
+struct InWindowsPlace(Handle<Image>);
+
+impl Plugin for RecordPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(recording) = self.0.clone() else {
+            return;
+        };
+        let picture = app
+            .world_mut()
+            .resource_mut::<Assets<Image>>()
+            .add(target_image(recording.size));
+        app.insert_resource(InWindowsPlace(picture.clone()))
+            .add_systems(PreUpdate, take_windows_place)
+            .set_runner(move |app| match record(app, &recording, &picture) {
+                Ok(()) => AppExit::Success,
+                Err(error) => {
+                    eprintln!("{error}");
+                    AppExit::Error(NonZero::<u8>::MIN)
+                }
+            });
+    }
+}
+
+/// Cameras that would draw into the primary window draw into the picture.
+fn take_windows_place(picture: Res<InWindowsPlace>, mut cameras: Query<&mut RenderTarget>) {
+    for mut target in &mut cameras {
+        if matches!(*target, RenderTarget::Window(WindowRef::Primary)) {
+            *target = RenderTarget::Image(picture.0.clone().into());
+        }
+    }
+}
+
+fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<(), RecordError> {
+    prepare_folder(&recording.out)?;
+    let mut headless = Headless::of(app)?;
+    for frame in 0..recording.frames {
+        headless.go_to(frame as f64 / recording.fps);
+        headless.finish_frame();
+        let png = encode_png(&headless.picture(picture)?)
+            .map_err(|error| RecordError::Encode(frame, error.to_string()))?;
+        write_whole(&recording.out.join(format!("frame_{frame:05}.png")), &png)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Option<Recording>, String> {
+        Recording::from_arguments(text.split_whitespace().map(str::to_owned))
+    }
+
+    #[test]
+    fn a_command_line_asks_for_frames_or_for_a_window() {
+        assert_eq!(read(""), Ok(None));
+        let asked = read("--frames 5 --out o --size 64x48 --fps 2.5").expect("sound");
+        assert_eq!(
+            asked,
+            Some(Recording {
+                frames: 5,
+                fps: 2.5,
+                size: UVec2::new(64, 48),
+                out: "o".into(),
+            })
+        );
+        for (text, said) in [
+            ("--frames 0 --out o", "\"0\""),
+            ("--frames 3", "go together"),
+            ("--out", "needs a value"),
+            ("--size 4x4", "4x4"),
+            ("--fps NaN", "NaN"),
+            ("--what 3", "--what is not known"),
+        ] {
+            let error = read(text).expect_err(text);
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The house: which part may know which, read from the sources themselves.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The parts from the ground up. One may use what stands before it, and nothing beside or after it.
+const STOREYS: &[&[&str]] = &[
+    &["input_file", "output_file"],
+    &["tissue"],
+    &["optics"],
+    &["anatomy"],
+    &["frame"],
+    &["conditions", "scene", "motion", "appearance", "cloning"],
+    &["percept"],
+    &["patients"],
+    &["plugins"],
+    &["stage"],
+    &["lab", "ui"],
+    &["app"],
+];
+
+fn storey(part: &str) -> Option<usize> {
+    STOREYS.iter().position(|storey| storey.contains(&part))
+}
+
+/// The program's own text: without comments, and without what only tests compile.
+fn code(text: &str) -> String {
+    let text = match text.find("#[cfg(test)]\nmod tests {") {
+        Some(end) => &text[..end],
+        None => text,
+    };
+    let lines = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Parts that a text names by `crate::`.
+fn used(text: &str) -> Vec<String> {
+    text.split("crate::")
+        .skip(1)
+        .map(|rest| {
+            let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'));
+            rest[..end.unwrap_or(rest.len())].to_owned()
+        })
+        .collect()
+}
+
+/// What is wrong with a text of this part, if anything.
+fn faults(part: &str, text: &str) -> Vec<String> {
+    let Some(own) = storey(part) else {
+        return vec![format!("{part} stands on no storey")];
+    };
+    used(&code(text))
+        .into_iter()
+        .filter(|other| other != part)
+        .filter(|other| storey(other).is_none_or(|other| other >= own))
+        // Types at the root are the plugins together.
+        .filter(|other| !(other == "OculariumPlugins" && own > storey("plugins").unwrap_or(0)))
+        .map(|other| format!("{part} uses {other}"))
+        .collect()
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("the sources") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn no_part_knows_what_stands_above_it() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    assert!(files.len() > 100, "the sources were not found");
+    let mut all = Vec::new();
+    for file in files {
+        let inside = file.strip_prefix(&root).expect("within");
+        let name = inside.to_string_lossy().into_owned();
+        let part = name.split(['/', '.']).next().unwrap_or_default();
+        if matches!(part, "lib" | "main") || name.ends_with("tests.rs") {
+            continue;
+        }
+        let text = fs::read_to_string(&file).expect("a text");
+        all.extend(
+            faults(part, &text)
+                .into_iter()
+                .map(|fault| format!("{name}: {fault}")),
+        );
+    }
+    assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+#[test]
+fn an_arrow_upwards_is_seen() {
+    assert_eq!(
+        faults("anatomy", "use crate::optics::pupil;"),
+        Vec::<String>::new()
+    );
+    assert_eq!(
+        faults("anatomy", "let x = crate::app::run();\n// crate::lab"),
+        ["anatomy uses app"]
+    );
+    assert_eq!(
+        faults("motion", "use crate::scene::model;"),
+        ["motion uses scene"]
+    );
+    assert_eq!(faults("attic", ""), ["attic stands on no storey"]);
+    assert!(faults("scene", "a\n#[cfg(test)]\nmod tests {\nuse crate::app;").is_empty());
+}
