@@ -9,6 +9,7 @@ mod models_in_view;
 mod percept_gpu;
 mod render;
 mod resized_view;
+mod rooms;
 mod shader_twins;
 mod shaders;
 mod stage;

@@ -22,6 +22,7 @@ mod accessors;
 mod beside;
 mod blends;
 mod coordinates;
+mod extras;
 mod framing;
 mod lights;
 mod pose;
@@ -31,6 +32,7 @@ mod surfaces;
 pub use beside::Beside;
 use beside::read_buffers;
 use coordinates::{Layout, UvMap};
+use extras::Surroundings;
 use framing::{frame, odd_size};
 use lights::{default_lights, read_light};
 use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
@@ -190,6 +192,10 @@ fn load(
     scene.remarks.extend(unread);
     scene.remarks.extend(damaged);
     let camera = walk(&document, &source, root, &mut scene)?;
+    if let Some(root) = root_of(&document) {
+        let surroundings: Surroundings = extras::read(root.extras(), "scene", &source)?;
+        surroundings.apply(&mut scene, &source)?;
+    }
     if scene.triangle_count() == 0 {
         return Err(source.content("it has no meshes with triangles"));
     }
@@ -202,7 +208,9 @@ fn load(
     if unit_m.is_none() {
         scene.remarks.extend(odd_size(&scene));
     }
-    scene.mean_luminance_cd_m2 = Tracer::new(&scene).mean_luminance_cd_m2(24);
+    if scene.mean_luminance_cd_m2 == 0.0 {
+        scene.mean_luminance_cd_m2 = Tracer::new(&scene).mean_luminance_cd_m2(24);
+    }
     let brightness = scene.mean_luminance_cd_m2;
     if !(0.0..=BRIGHTEST_CD_M2).contains(&brightness) {
         return Err(source.content(format!(
@@ -213,6 +221,13 @@ fn load(
     Ok(scene)
 }
 
+/// The scene that is shown.
+fn root_of(document: &Document) -> Option<gltf::Scene<'_>> {
+    document
+        .default_scene()
+        .or_else(|| document.scenes().next())
+}
+
 /// Adds every node's meshes and lights to the scene; returns the first camera.
 fn walk(
     document: &Document,
@@ -220,11 +235,8 @@ fn walk(
     base: Mat4,
     scene: &mut SceneModel,
 ) -> Result<Option<EyePlacement>, SceneError> {
-    let root = document
-        .default_scene()
-        .or_else(|| document.scenes().next());
     // A file without a scene shows all the nodes that are nobody's children.
-    let mut stack: Vec<_> = match root {
+    let mut stack: Vec<_> = match root_of(document) {
         Some(root) => root.nodes().map(|node| (node, base, 0)).collect(),
         None => {
             let children: Vec<usize> = document
@@ -299,9 +311,10 @@ fn walk(
                 );
             }
         }
-        scene
-            .lights
-            .extend(node.light().and_then(|light| read_light(&light, world)));
+        if let Some(light) = node.light() {
+            let own = extras::read(light.extras(), "light", source)?;
+            scene.lights.extend(read_light(&light, world, &own));
+        }
     }
     Ok(camera)
 }

@@ -8,20 +8,17 @@
 //! - [`catalog`]: from a name or a path to a loaded scene
 //! - [`room`]: the furnished room and the clinic corridor with the eye chart
 //! - [`gltf_file`], [`photo`] with [`picture_file`] and [`depth_file`]: the user's own scenes
-//! - [`shapes`], [`organic`], [`paint`], [`text`]: what the built-in scenes are made with
-//! - [`trace`]: rays into a scene: distances, baked ambient occlusion, mean luminance
+//! - [`paint`]: the drawn part of the built-in scenes' textures
+//! - [`trace`]: rays into a scene: distances, mean luminance
 
 pub mod catalog;
 pub mod depth_file;
 pub mod gltf_file;
 pub mod model;
-pub mod organic;
 pub mod paint;
 pub mod photo;
 pub mod photo_view;
 pub mod picture_file;
 pub mod room;
-pub mod shapes;
 pub mod spawn;
-pub mod text;
 pub mod trace;

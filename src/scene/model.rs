@@ -435,12 +435,6 @@ pub enum SceneError {
         /// The names that exist.
         known: String,
     },
-    /// A font that is compiled in cannot be parsed.
-    #[error("The built-in font \"{font}\" cannot be read.")]
-    Font {
-        /// The font's name.
-        font: &'static str,
-    },
 }
 
 /// One sRGB byte as linear light, 0–1 (IEC 61966-2-1).
@@ -479,11 +473,57 @@ pub fn srgb16_to_linear(value: u16) -> f32 {
 
 /// Linear light as an sRGB byte, clamped to 0–1 (IEC 61966-2-1).
 pub fn linear_to_srgb(linear: f32) -> u8 {
-    let clamped = linear.clamp(0.0, 1.0);
-    let encoded = if clamped <= 0.003_130_8 {
-        12.92 * clamped
+    // Mip levels ask for millions.
+    static CODES: LazyLock<SrgbCodes> = LazyLock::new(SrgbCodes::new);
+    CODES.of(linear)
+}
+
+/// [`encode_srgb`] by looking it up.
+struct SrgbCodes {
+    /// The least light of each code but 0.
+    least: [f32; 255],
+    /// The code of the light `n / 4096`.
+    guesses: Vec<u8>,
+}
+
+impl SrgbCodes {
+    fn new() -> Self {
+        let mut least = [0.0; 255];
+        for (below, least) in (0..=254u8).zip(&mut least) {
+            // Floats of one sign are ordered as their bits.
+            let (mut low, mut high) = (0.0f32.to_bits(), 1.0f32.to_bits());
+            while high - low > 1 {
+                let middle = low.midpoint(high);
+                if encode_srgb(f32::from_bits(middle)) > below {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            *least = f32::from_bits(high);
+        }
+        let guesses = (0..=4096u16).map(|n| encode_srgb(f32::from(n) / 4096.0));
+        Self {
+            least,
+            guesses: guesses.collect(),
+        }
+    }
+
+    fn of(&self, linear: f32) -> u8 {
+        let clamped = linear.clamp(0.0, 1.0);
+        let mut code = self.guesses[(clamped * 4096.0) as usize];
+        while code < 255 && clamped >= self.least[usize::from(code)] {
+            code += 1;
+        }
+        code
+    }
+}
+
+fn encode_srgb(linear: f32) -> u8 {
+    let encoded = if linear <= 0.003_130_8 {
+        12.92 * linear
     } else {
-        1.055 * clamped.powf(1.0 / 2.4) - 0.055
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
     };
     (encoded * 255.0).round() as u8
 }
@@ -502,6 +542,14 @@ mod tests {
         for value in 0..=255 {
             assert_eq!(linear_to_srgb(srgb_to_linear(value)), value);
         }
+        for value in (0..=100_000).map(|n| n as f32 / 99_999.0) {
+            assert_eq!(
+                linear_to_srgb(value),
+                encode_srgb(value.min(1.0)),
+                "{value}"
+            );
+        }
+        assert_eq!([-1.0, f32::NAN, 2.0].map(linear_to_srgb), [0, 0, 255]);
         for value in 0..=255u8 {
             let wide = srgb16_to_linear(u16::from(value) * 257);
             assert!((wide - srgb_to_linear(value)).abs() < 3e-7, "{value}");

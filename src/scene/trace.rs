@@ -10,7 +10,7 @@ use super::model::{
     Alpha, SceneLight, SceneModel, UNLIT_WHITE_CD_M2, Wrap, luminance, srgb_to_linear,
 };
 use glam::{Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 /// Where a ray first meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -266,58 +266,6 @@ impl<'a> Tracer<'a> {
         }
         sum / f64::from(side * side).max(1.0)
     }
-
-    /// Openness 0–1 of a surface point: the cosine-weighted part of the hemisphere that is free
-    /// within `reach` metres, with occluders fading out towards `reach`.
-    pub fn openness(&self, point: Vec3, normal: Vec3, reach: f32, rays: u32) -> f32 {
-        let (side, other) = normal.any_orthonormal_pair();
-        let origin = point + normal * 1e-3;
-        let mut open = 0.0;
-        for ray in 0..rays {
-            // The same cosine-weighted spiral at every vertex: errors are smooth, not noisy.
-            let t = (ray as f32 + 0.5) / rays as f32;
-            let angle = TAU * 0.618_034 * ray as f32;
-            let direction =
-                (side * angle.cos() + other * angle.sin()) * t.sqrt() + normal * (1.0 - t).sqrt();
-            let near = self.cast(origin, direction, 1e-4, reach);
-            open += near.map_or(1.0, |hit| (hit.distance_m / reach).powi(2));
-        }
-        open / rays.max(1) as f32
-    }
-}
-
-/// Multiplies each vertex colour of the meshes that `wanted` selects by its openness (with a
-/// floor, as light bounces), using the scene's own triangles as occluders.
-pub fn bake_ambient_occlusion(
-    scene: &mut SceneModel,
-    reach: f32,
-    rays: u32,
-    wanted: impl Fn(&str) -> bool,
-) {
-    const FLOOR: f32 = 0.25;
-    let tracer = Tracer::new(scene);
-    let baked: Vec<Option<Vec<f32>>> = scene
-        .meshes
-        .iter()
-        .map(|mesh| {
-            wanted(&mesh.name).then(|| {
-                let vertices = mesh.positions.iter().zip(&mesh.normals);
-                vertices
-                    .map(|(&p, &n)| tracer.openness(p.into(), n.into(), reach, rays))
-                    .collect()
-            })
-        })
-        .collect();
-    for (mesh, openness) in scene.meshes.iter_mut().zip(baked) {
-        let Some(openness) = openness else { continue };
-        let colors = mesh
-            .colors
-            .get_or_insert_with(|| vec![[1.0; 4]; mesh.positions.len()]);
-        for (color, open) in colors.iter_mut().zip(openness) {
-            let factor = FLOOR + (1.0 - FLOOR) * open;
-            color[..3].iter_mut().for_each(|channel| *channel *= factor);
-        }
-    }
 }
 
 /// Builds the subtree over `triangles[start..end]`; returns nothing, as the root of a subtree is
@@ -386,24 +334,51 @@ fn meet(triangle: &Triangle, origin: Vec3, direction: Vec3) -> Option<(f32, Vec2
 
 #[cfg(test)]
 mod tests {
-    use super::super::model::{EyePlacement, SceneMaterial};
-    use super::super::shapes::Shape;
+    use super::super::model::{EyePlacement, SceneMaterial, SceneMesh};
     use super::*;
+
+    /// A unit sphere of 128 × 64 facets above the origin.
+    fn ball() -> SceneMesh {
+        let (sides, rings) = (128u32, 64u32);
+        let lattice = (0..=rings).flat_map(|ring| (0..=sides).map(move |side| (ring, side)));
+        let normals: Vec<[f32; 3]> = lattice
+            .map(|(ring, side)| {
+                let polar = PI * ring as f32 / rings as f32;
+                let angle = 2.0 * PI * side as f32 / sides as f32;
+                let (height, radius) = (-polar.cos(), polar.sin());
+                [radius * angle.sin(), height, radius * angle.cos()]
+            })
+            .collect();
+        let cells = (0..rings).flat_map(|ring| (0..sides).map(move |side| (ring, side)));
+        let indices = cells.flat_map(|(ring, side)| {
+            let a = ring * (sides + 1) + side;
+            let (b, c) = (a + 1, a + sides + 1);
+            [a, b, c + 1, a, c + 1, c]
+        });
+        SceneMesh {
+            name: "ball".into(),
+            positions: normals.iter().map(|&[x, y, z]| [x, y + 1.0, z]).collect(),
+            indices: indices.collect(),
+            normals,
+            ..Default::default()
+        }
+    }
+
+    fn floor() -> SceneMesh {
+        SceneMesh {
+            name: "floor".into(),
+            positions: [[-5.0, 5.0], [5.0, 5.0], [5.0, -5.0], [-5.0, -5.0]]
+                .map(|[x, z]| [x, 0.0, z])
+                .to_vec(),
+            normals: vec![[0.0, 1.0, 0.0]; 4],
+            indices: vec![0, 1, 2, 0, 2, 3],
+            ..Default::default()
+        }
+    }
 
     fn sphere_over_floor() -> SceneModel {
         SceneModel {
-            meshes: vec![
-                Shape::ellipsoid(Vec3::ONE, 128)
-                    .at(0.0, 1.0, 0.0)
-                    .mesh("ball", 0),
-                Shape::sheet(
-                    Vec3::new(-5.0, 0.0, 5.0),
-                    Vec3::X * 10.0,
-                    Vec3::NEG_Z * 10.0,
-                    1.0,
-                )
-                .mesh("floor", 0),
-            ],
+            meshes: vec![ball(), floor()],
             materials: vec![SceneMaterial {
                 base_color: [1.0; 4],
                 ..Default::default()
@@ -436,17 +411,6 @@ mod tests {
         }
         assert!(tracer.cast(origin, Vec3::Y, 0.0, 100.0).is_none());
         assert!(tracer.cast(origin, Vec3::NEG_Y, 0.0, 0.9).is_none());
-    }
-
-    #[test]
-    fn openness_of_a_floor_under_a_sphere_falls_to_the_form_factor() {
-        let scene = sphere_over_floor();
-        let tracer = Tracer::new(&scene);
-        // A unit sphere seen from its contact plane at horizontal distance 2: the form factor of a
-        // sphere is r² h / d³ while it is wholly above the horizon, which it just is.
-        let exact = 1.0 - 1.0 / 5.0f32.powf(1.5);
-        let open = tracer.openness(Vec3::new(2.0, 0.0, 0.0), Vec3::Y, 1e3, 4096);
-        assert!((open - exact).abs() < 0.01, "{open} {exact}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Lights of a glTF file, and those of a file without any.
 
 use super::super::model::{EyePlacement, SceneLight};
+use super::extras::OfLight;
 use glam::{Mat4, Vec3};
 use std::f32::consts::PI;
 
@@ -28,6 +29,7 @@ pub(super) fn default_lights(eye: &EyePlacement) -> Vec<SceneLight> {
 pub(super) fn read_light(
     light: &gltf::khr_lights_punctual::Light,
     world: Mat4,
+    own: &OfLight,
 ) -> Option<SceneLight> {
     use gltf::khr_lights_punctual::Kind;
     let (color, intensity) = (light.color(), light.intensity());
@@ -39,7 +41,7 @@ pub(super) fn read_light(
             direction: (-world.z_axis.truncate()).try_normalize()?.into(),
             color,
             illuminance_lux: intensity,
-            shadows: true,
+            shadows: own.shadows.unwrap_or(true),
         }),
         Kind::Point | Kind::Spot { .. } => Some(SceneLight::Point {
             position: world.w_axis.truncate().into(),
@@ -49,7 +51,7 @@ pub(super) fn read_light(
                 .range()
                 .filter(|r| r.is_finite() && *r > 0.0)
                 .unwrap_or(100.0),
-            shadows: false,
+            shadows: own.shadows.unwrap_or(false),
         }),
     }
 }

@@ -589,3 +589,56 @@ fn lamps_beyond_the_sun_are_refused() {
         assert!(error.contains("cd/m² bright"), "{error}");
     }
 }
+
+#[test]
+fn extras_say_what_gltf_has_no_words_for() {
+    let scene = |extras: &str, shadows: &str| {
+        let nodes = r#"{"mesh":0},{"extensions":{"KHR_lights_punctual":{"light":0}}}"#;
+        let json = quad_json(nodes, 5, 5121, 4, 4)
+            .replace(r#""nodes":[0]"#, &format!(r#""nodes":[0,1],"extras":{extras}"#))
+            .replacen(
+                '{',
+                &format!(
+                    r#"{{"extensionsUsed":["KHR_lights_punctual"],"extensions":{{"KHR_lights_punctual":
+                    {{"lights":[{{"type":"directional","intensity":300,"extras":{shadows}}}]}}}},"#
+                ),
+                1,
+            );
+        let blob = [floats(&CORNERS), vec![0, 1, 2, 3]].concat();
+        load_gltf_bytes(&glb(&json, &blob), "a.glb")
+    };
+    let found = scene(
+        r#"{"ocularium":{"ambient":{"color":[1,0.5,0.25],"brightness_cd_m2":40},
+        "background_cd_m2":[1,2,3],"mean_luminance_cd_m2":77.5}}"#,
+        r#"{"ocularium":{"shadows":false}}"#,
+    )
+    .unwrap();
+    assert_eq!(found.background, [1.0, 2.0, 3.0]);
+    assert_eq!(found.mean_luminance_cd_m2, 77.5);
+    let ambient = SceneLight::Ambient {
+        color: [1.0, 0.5, 0.25],
+        brightness: 40.0,
+    };
+    assert_eq!(found.lights[1], ambient);
+    let casts = |scene: &SceneModel| match scene.lights[0] {
+        SceneLight::Directional { shadows, .. } => shadows,
+        _ => panic!("another light"),
+    };
+    assert!(!casts(&found));
+    // What others keep there is theirs.
+    let plain = scene(r#""a note""#, r#"{"blender":{"shadows":false}}"#).unwrap();
+    assert!(casts(&plain) && plain.lights.len() == 1 && plain.mean_luminance_cd_m2 > 0.0);
+    for (extras, fault) in [
+        (r#"{"background_cd_m2":[1,2]}"#, "invalid length 2"),
+        (
+            r#"{"background_cd_m2":[1,-2,3]}"#,
+            "background_cd_m2 is -2.0e0",
+        ),
+        (r#"{"mean_luminance_cd_m2":1e20}"#, "must be 0 to 1e9"),
+        (r#"{"sky":1}"#, "unknown field"),
+    ] {
+        let error = scene(&format!(r#"{{"ocularium":{extras}}}"#), "{}").unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains(fault) && error.contains("extras"), "{error}");
+    }
+}

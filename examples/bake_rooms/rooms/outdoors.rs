@@ -1,13 +1,13 @@
 //! What is beyond the window: a lawn, a street sign, trees and houses under a bright sky. All of
 //! it shines by itself, at the luminance that the sun would give it.
 
-use super::super::model::Alpha;
-use super::super::paint::{Canvas, clouds, hash, hex, mix, smoothstep};
-use super::super::shapes::Shape;
 use super::prints::Fonts;
-use super::{HOUSES, SIGN, Set, TREE};
-use crate::scene::text::Style;
+use super::shapes::Shape;
+use super::text::Style;
+use super::{Set, Target, facing, ground_of};
 use glam::Vec3;
+use ocularium::scene::model::Alpha;
+use ocularium::scene::paint::{Canvas, hash, hex, mix};
 
 /// Luminance of a sunlit white surface outdoors, cd/m²: a hazy evening, some ten times the room.
 const WHITE_CD_M2: f32 = 900.0;
@@ -16,16 +16,15 @@ pub(super) fn build(set: &mut Set, fonts: &Fonts) {
     let backdrop = set.glowing("sky and houses", &skyline(), WHITE_CD_M2, Alpha::Opaque);
     set.add(
         "outdoors: sky and houses",
-        Shape::picture(30.0, 22.5).moved(HOUSES.facing(0.0)),
+        Shape::picture(30.0, 22.5).moved(facing(&Target::HOUSES, 0.0)),
         backdrop,
     );
-    let grass = Canvas::shaded(256, 256, |u, v| {
-        let stripe = if (v * 14.0).fract() < 0.5 { 0.06 } else { 0.0 };
-        let path = smoothstep(0.05, 0.03, (u - 0.53 - 0.06 * (v * 7.0).sin()).abs());
-        let lawn = mix(hex(0x5e8f3a), hex(0x8fb558), clouds(u, v, 9, 40) + stripe);
-        mix(lawn, hex(0xcdb992), path)
-    });
-    let lawn = set.glowing("lawn", &grass, 0.65 * WHITE_CD_M2, Alpha::Opaque);
+    let lawn = set.glowing(
+        "lawn",
+        &ground_of("lawn"),
+        0.65 * WHITE_CD_M2,
+        Alpha::Opaque,
+    );
     let ground = Shape::sheet(
         Vec3::new(-14.0, -0.4, -6.4),
         Vec3::X * 34.0,
@@ -33,13 +32,23 @@ pub(super) fn build(set: &mut Set, fonts: &Fonts) {
         40.0,
     );
     set.add("outdoors: lawn", ground, lawn);
-    let leaves = set.glowing("tree", &tree(3), 0.75 * WHITE_CD_M2, Alpha::Mask(0.5));
+    let leaves = set.glowing(
+        "tree",
+        &ground_of("tree"),
+        0.75 * WHITE_CD_M2,
+        Alpha::Mask(0.5),
+    );
     set.add(
         "outdoors: tree",
-        Shape::picture(4.2, 5.2).moved(TREE.facing(0.0)),
+        Shape::picture(4.2, 5.2).moved(facing(&Target::TREE, 0.0)),
         leaves,
     );
-    let hedge = set.glowing("bush", &tree(8), 0.6 * WHITE_CD_M2, Alpha::Mask(0.5));
+    let hedge = set.glowing(
+        "bush",
+        &ground_of("bush"),
+        0.6 * WHITE_CD_M2,
+        Alpha::Mask(0.5),
+    );
     for (x, z, size) in [(-1.0, -17.0, 2.6), (4.6, -27.0, 3.2), (6.2, -30.0, 4.6)] {
         set.add(
             "outdoors: bush",
@@ -48,7 +57,7 @@ pub(super) fn build(set: &mut Set, fonts: &Fonts) {
         );
     }
     let plate = set.glowing("street sign", &sign(fonts), WHITE_CD_M2, Alpha::Opaque);
-    let here = SIGN.facing(0.0);
+    let here = facing(&Target::SIGN, 0.0);
     set.add(
         "outdoors: street sign",
         Shape::picture(0.92, 0.26).moved(here),
@@ -75,19 +84,7 @@ pub(super) fn build(set: &mut Set, fonts: &Fonts) {
 
 /// Sky with clouds over hills and a row of houses; the horizon is at the middle.
 fn skyline() -> Canvas {
-    let mut canvas = Canvas::shaded(1024, 768, |u, v| {
-        let height = (0.5 - v) * 2.0;
-        let hill = 0.03 + 0.035 * (u * 9.0).sin() + 0.02 * (u * 23.0 + 1.0).sin();
-        if height < -0.035 {
-            mix(hex(0x6f9a4f), hex(0x93b565), clouds(u, v, 40, 6))
-        } else if height < hill + 0.06 {
-            mix(hex(0x9db7a0), hex(0x7e9f86), clouds(u, v, 30, 5))
-        } else {
-            let sky = mix(hex(0xe8eef0), hex(0x86b4e2), smoothstep(-0.05, 0.6, height));
-            let cloud = smoothstep(0.52, 0.72, clouds(u * 0.9 + 0.05, v * 2.2, 5, 12));
-            mix(sky, [1.0, 0.99, 0.97], 0.85 * cloud)
-        }
-    });
+    let mut canvas = ground_of("sky and houses");
     let fronts = [0xe7c9a0, 0xd98c6a, 0xf0e6d2, 0xb7c4cf, 0xe3b25f, 0xcf7f62];
     for (i, &front) in fronts.iter().cycle().take(14).enumerate() {
         let x = 20.0 + 72.0 * i as f32 + 10.0 * hash(i as i32, 1, 4);
@@ -143,36 +140,6 @@ fn house(canvas: &mut Canvas, [x, foot]: [f32; 2], [width, height]: [f32; 2], fr
             canvas.rect(wx, wy, wx + 7.0, wy + 9.0, hex(0x51616e));
         }
     }
-}
-
-/// A tree as a cut-out: trunk and a crown of lit and shaded clumps, light from the upper left.
-fn tree(seed: u32) -> Canvas {
-    let mut canvas = Canvas::new(512, 640, hex(0x4c7034));
-    canvas.clear_alpha();
-    let bark = hex(0x5b4632);
-    canvas.line([256.0, 640.0], [250.0, 380.0], 34.0, bark, 1.0);
-    for (x, y) in [(150.0, 300.0), (350.0, 290.0), (250.0, 200.0)] {
-        canvas.line([252.0, 430.0], [x, y], 14.0, bark, 1.0);
-    }
-    for i in 0..1100i32 {
-        let t = i as f32 / 1100.0;
-        let angle = std::f32::consts::TAU * hash(i, 0, seed);
-        let reach = hash(i, 1, seed).sqrt();
-        let (x, y) = (
-            256.0 + 205.0 * reach * angle.cos(),
-            245.0 + 200.0 * reach * angle.sin(),
-        );
-        let lit = (0.5 - 0.35 * reach * angle.sin() - 0.2 * reach * angle.cos()).clamp(0.0, 1.0);
-        let depth = (0.25 + 0.75 * t) * lit;
-        let color = mix(
-            hex(0x2f5427),
-            hex(0xa8c65c),
-            (1.1 * depth + 0.12 * hash(i, 2, seed)).min(1.0),
-        );
-        let size = 6.0 + 11.0 * hash(i, 3, seed);
-        canvas.ellipse([x, y], [size, 0.7 * size], color, 1.0, 0.08);
-    }
-    canvas
 }
 
 fn sign(fonts: &Fonts) -> Canvas {

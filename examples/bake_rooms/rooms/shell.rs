@@ -1,10 +1,9 @@
 //! Floor, walls, ceiling and windows.
 
-use super::super::paint::{Canvas, clouds, weave};
-use super::super::paint::{hex, linear, mix, noise, plaster, wood};
-use super::super::shapes::Shape;
 use super::Set;
+use super::shapes::Shape;
 use glam::{Quat, Vec3};
+use ocularium::scene::paint::{Canvas, Clouds, hex, linear, mix};
 use std::f32::consts::FRAC_PI_2;
 
 /// Inner faces of the walls, m.
@@ -57,23 +56,6 @@ impl Extent {
             near: 1.8,
         }
     }
-
-    /// Wider and higher, so that the volume is `factor` times as large.
-    pub(super) fn widened(self, factor: f32) -> Self {
-        let stretch = factor.sqrt();
-        Self {
-            left: self.left * stretch,
-            right: self.right * stretch,
-            ceiling: self.ceiling * stretch,
-            ..self
-        }
-    }
-
-    /// m³.
-    #[cfg(test)]
-    pub(super) fn volume_m3(&self) -> f32 {
-        (self.right - self.left) * self.ceiling * (self.near - self.far)
-    }
 }
 
 pub(super) fn build(set: &mut Set, extent: Extent) {
@@ -86,7 +68,7 @@ pub(super) fn build(set: &mut Set, extent: Extent) {
     } = extent;
     let (width, depth) = (right - left, near - far);
     let cell = (width * depth).sqrt() / 22.0;
-    let floor = set.printed("floor", &wood(0xb98555, 0x8a5a35, 6, 11), true, 0.45);
+    let floor = set.covered("floor", true, 0.45);
     let boards = Shape::sheet(
         Vec3::new(left, 0.0, near),
         Vec3::X * width,
@@ -98,7 +80,7 @@ pub(super) fn build(set: &mut Set, extent: Extent) {
         boards.uv_scaled(width / 1.1, depth / 1.1).uv_turned(),
         floor,
     );
-    let white = set.printed("ceiling", &plaster(0xf4efe6, 5), true, 0.95);
+    let white = set.covered("ceiling", true, 0.95);
     let above = Shape::sheet(
         Vec3::new(left, ceiling, far),
         Vec3::X * width,
@@ -106,8 +88,8 @@ pub(super) fn build(set: &mut Set, extent: Extent) {
         cell,
     );
     set.add("ceiling", above.uv_scaled(width, depth), white);
-    let sage = set.printed("wall, green", &wallpaper(0x8fa38c, 0x9db099), true, 0.9);
-    let cream = set.printed("wall, cream", &plaster(0xe9dcc4, 6), true, 0.95);
+    let sage = set.covered("wall, green", true, 0.9);
+    let cream = set.covered("wall, cream", true, 0.95);
     let far_wall = Shape::joined(pierced(left, right, ceiling, &[FAR_WINDOW]));
     set.add("far wall", far_wall.at(0.0, 0.0, far), sage);
     // Along the left wall the running coordinate is −z, so the openings are mirrored.
@@ -169,31 +151,6 @@ fn pierced(from: f32, to: f32, height: f32, openings: &[Opening]) -> Vec<Shape> 
     }
     panel(x, to, 0.0, height);
     panels
-}
-
-/// Paper with a quiet leaf pattern.
-fn wallpaper(ground: u32, leaf: u32) -> Canvas {
-    let (ground, leaf) = (hex(ground), hex(leaf));
-    let mut canvas = Canvas::shaded(512, 512, |u, v| {
-        ground.map(|c| c * (0.97 + 0.05 * clouds(u, v, 8, 31)))
-    });
-    for row in 0..8u8 {
-        for column in 0..8u8 {
-            let shift = if row % 2 == 0 { 0.0 } else { 32.0 };
-            let (x, y) = (
-                f32::from(column) * 64.0 + 16.0 + shift,
-                f32::from(row) * 64.0 + 32.0,
-            );
-            canvas.line([x, y + 22.0], [x, y - 16.0], 1.6, leaf, 0.9);
-            for side in [-1.0, 1.0] {
-                for step in 0..3u8 {
-                    let rise = f32::from(step) * 11.0 - 8.0;
-                    canvas.ellipse([x + side * 7.5, y - rise], [6.5, 2.8], leaf, 0.75, 0.3);
-                }
-            }
-        }
-    }
-    canvas
 }
 
 fn trim(set: &mut Set, extent: Extent) {
@@ -264,7 +221,7 @@ fn windows(set: &mut Set, extent: Extent) {
 }
 
 fn curtains(set: &mut Set, extent: Extent) {
-    let linen = set.printed("curtain", &weave(0xd9a441, 0xcf9434, 8), true, 0.95);
+    let linen = set.covered("curtain", true, 0.95);
     let linen = set.double_sided(linen);
     let z = extent.far + 0.11;
     for (x, width) in [(-0.27, 0.28), (1.16, 0.3)] {
@@ -292,34 +249,7 @@ fn curtains(set: &mut Set, extent: Extent) {
 }
 
 fn rug(set: &mut Set) {
-    let [red, blue, sand] = [hex(0x9c3b2e), hex(0x2f4a63), hex(0xe2c89a)];
-    let canvas = Canvas::shaded(512, 512, |u, v| {
-        let edge = u.min(1.0 - u).min(v.min(1.0 - v));
-        let (x, y) = ((u * 12.0).fract() - 0.5, (v * 12.0).fract() - 0.5);
-        let lozenge = x.abs() + y.abs();
-        let field = if lozenge < 0.16 {
-            sand
-        } else if lozenge < 0.3 {
-            blue
-        } else {
-            red
-        };
-        let border = if (u * 40.0 + v * 40.0).fract() < 0.5 {
-            blue
-        } else {
-            sand
-        };
-        let color = if edge < 0.02 || (0.085..0.1).contains(&edge) {
-            sand
-        } else if edge < 0.085 {
-            border
-        } else {
-            field
-        };
-        let pile = 0.82 + 0.3 * noise(u * 256.0, v * 256.0, 256, 77);
-        mix(color, color.map(|c| c * 0.8), clouds(u, v, 5, 3)).map(|c| c * pile)
-    });
-    let wool = set.printed("rug", &canvas, false, 1.0);
+    let wool = set.covered("rug", false, 1.0);
     let sheet = Shape::sheet(
         Vec3::new(-1.5, 0.012, -2.0),
         Vec3::X * 2.8,
@@ -333,6 +263,7 @@ fn rug(set: &mut Set) {
 pub(super) fn corridor(set: &mut Set) {
     let (left, right, far, near, ceiling) = (-1.2, 1.2, -6.02, 1.5, 2.5);
     let (width, depth) = (right - left, near - far);
+    let stains = Clouds::new(6, 9);
     let tiles = Canvas::shaded(256, 256, |u, v| {
         let tile = ((u * 2.0).floor() + (v * 2.0).floor()) as i32 % 2 == 0;
         let seam = (u * 2.0).fract().min((v * 2.0).fract()) < 0.02;
@@ -343,7 +274,7 @@ pub(super) fn corridor(set: &mut Set) {
         } else {
             hex(0xb4c0b6)
         };
-        base.map(|c| c * (0.96 + 0.08 * clouds(u, v, 6, 9)))
+        base.map(|c| c * (0.96 + 0.08 * stains.at(u, v)))
     });
     let floor = set.printed("tiles", &tiles, true, 0.3);
     let ground = Shape::sheet(
@@ -353,7 +284,7 @@ pub(super) fn corridor(set: &mut Set) {
         0.25,
     );
     set.add("floor", ground.uv_scaled(width / 0.8, depth / 0.8), floor);
-    let paint = set.printed("paint", &plaster(0xefece2, 4), true, 0.9);
+    let paint = set.covered("paint", true, 0.9);
     let above = Shape::sheet(
         Vec3::new(left, ceiling, far),
         Vec3::X * width,
@@ -390,7 +321,7 @@ pub(super) fn corridor(set: &mut Set) {
     );
     set.add("near wall", back.uv_scaled(width, ceiling), paint);
     let teal = set.plain("hand rail", 0x3f7f86, 0.4);
-    let oak = set.printed("door", &wood(0xc79a66, 0xa2743f, 1, 21), true, 0.5);
+    let oak = set.covered("door", true, 0.5);
     for side in [-1.0, 1.0] {
         let rail = Shape::rounded_box(Vec3::new(0.04, 0.14, depth), 0.015, 0.6);
         set.add(
@@ -441,18 +372,4 @@ pub(super) fn corridor(set: &mut Set) {
         (0.0, 0.4),
     ];
     set.add("pot", Shape::lathe(&profile, 28).at(0.85, 0.0, -5.5), pot);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn widening_multiplies_the_volume() {
-        let extent = Extent::of_room();
-        for factor in [1.0, 2.0, 8.0] {
-            let ratio = extent.widened(factor).volume_m3() / extent.volume_m3();
-            assert!((ratio / factor - 1.0).abs() < 1e-5);
-        }
-    }
 }

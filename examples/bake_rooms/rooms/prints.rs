@@ -1,12 +1,12 @@
 //! Everything printed or painted: the chart, the letter, the telephone's screen, book spines, the
 //! clock's dial and the portrait.
 
-use super::super::model::SceneError;
-use super::super::paint::{Canvas, clouds, hash, hex, mix, noise, smoothstep};
-use super::super::shapes::Shape;
-use super::super::text::{Style, Typeface};
-use super::{Set, Target};
+use super::shapes::Shape;
+use super::text::{Style, Typeface};
+use super::{Set, Target, facing, ground_of};
+use ab_glyph::InvalidFont;
 use glam::Vec3;
+use ocularium::scene::paint::{Canvas, Clouds, hash, hex, mix, smoothstep};
 
 /// The fonts of the built-in scenes.
 pub(super) struct Fonts {
@@ -15,11 +15,23 @@ pub(super) struct Fonts {
 }
 
 impl Fonts {
-    pub(super) fn new() -> Result<Self, SceneError> {
+    pub(super) fn new() -> Result<Self, InvalidFont> {
         Ok(Self {
             sans: Typeface::proportional()?,
             mono: Typeface::monospace()?,
         })
+    }
+}
+
+/// The inks of what is printed on a ground.
+pub(super) fn inks_of(material: &str) -> &'static [u32] {
+    match material {
+        "letter" => &[0x1d2440, 0x263a8a],
+        "book spines" => &[0x3a2618, 0xf0d9a0],
+        "eye chart" => &[0x0c0c0e, 0x55585c, 0x2f8f4e, 0xc0392b],
+        "dial" => &[0x22201c, 0xa8792c],
+        "telephone screen" => &[0xffffff, 0x17191d, 0x6c737c],
+        _ => &[],
     }
 }
 
@@ -119,7 +131,7 @@ pub(super) fn chart_rows() -> Vec<(f32, f32)> {
 
 pub(super) fn chart_canvas(fonts: &Fonts) -> Canvas {
     let [width, height] = CHART_SIZE_M.map(|metres| (metres * CHART_TEXELS_PER_M).round());
-    let mut canvas = Canvas::new(width as u32, height as u32, hex(0xfbfaf4));
+    let mut canvas = ground_of("eye chart");
     let small = Style::new(26.0, hex(0x55585c));
     fonts.sans.draw_centred(
         &mut canvas,
@@ -165,7 +177,7 @@ pub(super) fn chart_canvas(fonts: &Fonts) -> Canvas {
 
 /// Hangs the chart in a thin frame with its printed face at the target.
 pub(super) fn hang_chart(set: &mut Set, fonts: &Fonts, target: &Target) {
-    let here = target.facing(0.0);
+    let here = facing(target, 0.0);
     let [width, height] = CHART_SIZE_M;
     let paper = set.printed("eye chart", &chart_canvas(fonts), false, 0.8);
     set.add(
@@ -199,9 +211,7 @@ pub(super) fn frame(width: f32, height: f32, bar: f32, depth: f32) -> Shape {
 }
 
 pub(super) fn letter_canvas(fonts: &Fonts) -> Canvas {
-    let mut canvas = Canvas::shaded(888, 1260, |u, v| {
-        hex(0xfaf6ea).map(|c| c * (0.985 + 0.02 * noise(u * 9.0, v * 9.0, 9, 2)))
-    });
+    let mut canvas = ground_of("letter");
     let ink = hex(0x1d2440);
     fonts.sans.draw(
         &mut canvas,
@@ -252,9 +262,8 @@ pub(super) fn letter_canvas(fonts: &Fonts) -> Canvas {
 }
 
 pub(super) fn phone_canvas(fonts: &Fonts) -> Canvas {
-    let mut canvas = Canvas::shaded(592, 1232, |_, v| mix(hex(0xfdfdfb), hex(0xf0f3f6), v));
+    let mut canvas = ground_of("telephone screen");
     let (ink, grey) = (hex(0x17191d), hex(0x6c737c));
-    canvas.rect(0.0, 0.0, 592.0, 150.0, hex(0x1f6f78));
     fonts.sans.draw(
         &mut canvas,
         36.0,
@@ -337,17 +346,8 @@ const TITLES: [&str; 16] = [
 
 /// Sixteen book spines side by side, titles running down.
 pub(super) fn spines_canvas(fonts: &Fonts) -> Canvas {
-    let cloth = [
-        0x7b2d26, 0x1f4e5f, 0xd9a441, 0x2e2f45, 0x3f6b4f, 0xb5533c, 0xe6dcc3, 0x6a4c7d, 0x34688f,
-        0x111820, 0xc98a5e, 0x8c9a5b, 0x264653, 0x9c4f6b, 0x88b0a8, 0x5b3a29,
-    ];
     // Drawn lying on the side (one spine a row), then turned by the coordinates.
-    let mut canvas = Canvas::shaded(512, 1024, |u, v| {
-        let row = (v * 16.0) as usize % 16;
-        let across = (v * 16.0).fract();
-        let round = 0.72 + 0.42 * (1.0 - (2.0 * across - 1.0).powi(2)).sqrt();
-        hex(cloth[row]).map(|c| c * round * (0.94 + 0.1 * clouds(u, v, 32, 7)))
-    });
+    let mut canvas = ground_of("book spines");
     for (row, title) in TITLES.into_iter().enumerate() {
         let y = 64.0 * row as f32;
         let gold = if [2, 6, 14].contains(&row) {
@@ -371,7 +371,7 @@ pub(super) fn spines_canvas(fonts: &Fonts) -> Canvas {
 }
 
 pub(super) fn dial_canvas(fonts: &Fonts) -> Canvas {
-    let mut canvas = Canvas::new(384, 384, hex(0xf7f1e1));
+    let mut canvas = ground_of("dial");
     let ink = hex(0x22201c);
     for minute in 0..60u8 {
         let angle = f32::from(minute) * 6f32.to_radians();
@@ -412,12 +412,13 @@ pub(super) fn dial_canvas(fonts: &Fonts) -> Canvas {
 
 /// A painted portrait of a woman in a blue shawl.
 pub(super) fn portrait_canvas() -> Canvas {
+    let patches = Clouds::new(6, 90);
     let mut canvas = Canvas::shaded(384, 480, |u, v| {
         let glow = 1.0 - smoothstep(0.0, 0.8, (u - 0.45).hypot(v - 0.4));
         mix(
             hex(0x3b3a2c),
             hex(0x9a8458),
-            glow * (0.6 + 0.4 * clouds(u, v, 6, 90)),
+            glow * (0.6 + 0.4 * patches.at(u, v)),
         )
     });
     let (skin, shade, hair) = (hex(0xe8bd98), hex(0xb98263), hex(0x4a2c1c));

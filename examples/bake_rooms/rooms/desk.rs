@@ -1,11 +1,11 @@
 //! The desk and what is on it or held above it: 0.3 m to 1 m from the eye.
 
-use super::super::organic::{blend, capsule, skin, soft_box};
-use super::super::paint::{Canvas, linear, mix, wood};
-use super::super::shapes::Shape;
+use super::organic::{blend, capsule, skin, soft_box};
 use super::prints::{Fonts, dial_canvas, letter_canvas, phone_canvas};
-use super::{Alpha, CLOCK, Group, LETTER, MUG, PHONE, Set, VASE};
+use super::shapes::Shape;
+use super::{Alpha, Group, Set, Target, facing};
 use glam::{Affine3A, Quat, Vec3};
+use ocularium::scene::paint::{Canvas, hex, linear, mix};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Height of the desk's top, m.
@@ -22,7 +22,7 @@ pub(super) fn build(set: &mut Set, fonts: &Fonts) {
 }
 
 fn table(set: &mut Set) {
-    let walnut = set.printed("walnut", &wood(0xa8703f, 0x6b4023, 3, 5), true, 0.4);
+    let walnut = set.covered("walnut", true, 0.4);
     let top = Shape::rounded_box(Vec3::new(1.9, 0.035, 1.12), 0.012, 0.068);
     set.add(
         "desk top",
@@ -59,7 +59,7 @@ fn phone(set: &mut Set, fonts: &Fonts) {
         ("sleeve", sleeve(), wool),
     ];
     // The screen is perpendicular to the line of sight, so the target is on it exactly.
-    set.add_group(group, PHONE.facing(-7.0));
+    set.add_group(group, facing(&Target::PHONE, -7.0));
 }
 
 /// A left hand behind the telephone, in its frame: x right, y up, z towards the reader.
@@ -163,9 +163,9 @@ fn sleeve() -> Shape {
 }
 
 fn letter(set: &mut Set, fonts: &Fonts) {
-    let here = LETTER.facing(2.0);
+    let here = facing(&Target::LETTER, 2.0);
     let paper = set.printed("letter", &letter_canvas(fonts), false, 0.85);
-    let oak = set.printed("easel wood", &wood(0xd0a46e, 0xa9773f, 1, 14), true, 0.5);
+    let oak = set.covered("easel wood", true, 0.5);
     set.add("letter", Shape::picture(0.148, 0.21).moved(here), paper);
     let board = Shape::rounded_box(Vec3::new(0.168, 0.228, 0.008), 0.003, 0.06).uv_turned();
     let ledge = Shape::rounded_box(Vec3::new(0.176, 0.01, 0.024), 0.003, 0.06);
@@ -217,9 +217,9 @@ fn vase(set: &mut Set) {
         ("leaves", green, leaf),
         ("blossoms", blossom, petal),
     ];
-    let foot = VASE.point_m();
+    let foot = Target::VASE.point_m();
     let by = Affine3A::from_translation(Vec3::new(foot.x * 1.04, TOP_M, foot.z * 1.04));
-    set.add_at_target(group, by, &VASE);
+    set.add_at_target(group, by, &Target::VASE);
 }
 
 /// Stems with leaves, and daisies at their ends, above the vase's mouth.
@@ -275,7 +275,7 @@ fn mug(set: &mut Set) {
     let stripe = Canvas::shaded(64, 128, |_, v| {
         let band = (0.62..0.7).contains(&v) || (0.72..0.74).contains(&v);
         let color = if band { 0xf5ead2 } else { 0xc2452d };
-        super::super::paint::hex(color)
+        hex(color)
     });
     let glaze = set.printed("mug", &stripe, false, 0.25);
     let profile = [
@@ -303,17 +303,17 @@ fn mug(set: &mut Set) {
         Shape::tube(&arc, &[0.0052; 11], 12),
     ]);
     let group: Group = vec![("mug", body, glaze), ("coffee", surface, coffee)];
-    let foot = MUG.point_m();
+    let foot = Target::MUG.point_m();
     let turn = Quat::from_rotation_y(-1.0);
     let by =
         Affine3A::from_rotation_translation(turn, Vec3::new(foot.x * 1.04, TOP_M, foot.z * 1.04));
-    set.add_at_target(group, by, &MUG);
+    set.add_at_target(group, by, &Target::MUG);
 }
 
 fn clock(set: &mut Set, fonts: &Fonts) {
     let brass = set.metal("brass", 0xc79a4b, 0.3);
     let dial = set.printed("dial", &dial_canvas(fonts), false, 0.5);
-    let wood = set.printed("clock wood", &wood(0x8a4f2c, 0x5a2f18, 1, 44), true, 0.35);
+    let wood = set.covered("clock wood", true, 0.35);
     let case_profile = [
         (0.0, -0.022),
         (0.04, -0.022),
@@ -341,10 +341,10 @@ fn clock(set: &mut Set, fonts: &Fonts) {
         ("clock base", base, wood),
         ("clock knob", knob, brass),
     ];
-    let foot = CLOCK.point_m();
-    let turn = Quat::from_rotation_y(-CLOCK.azimuth_deg.to_radians());
+    let foot = Target::CLOCK.point_m();
+    let turn = Quat::from_rotation_y(-Target::CLOCK.azimuth_deg.to_radians());
     let by = Affine3A::from_rotation_translation(turn, Vec3::new(foot.x, TOP_M, foot.z));
-    set.add_at_target(group, by, &CLOCK);
+    set.add_at_target(group, by, &Target::CLOCK);
 }
 
 /// A round picture facing +z.

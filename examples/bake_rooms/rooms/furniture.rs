@@ -1,17 +1,17 @@
 //! Bookcase, floor lamp, sideboard and pictures: 3 m to 6 m from the eye.
 
-use super::super::model::SceneLight;
-use super::super::paint::{Canvas, hash, hex, linear, mix, wood};
-use super::super::shapes::Shape;
 use super::prints::{Fonts, frame, hang_chart, portrait_canvas, spines_canvas};
-use super::{Alpha, BOOKS, CHART, Set, Target};
+use super::shapes::Shape;
+use super::{Alpha, Set, Target};
 use glam::{Quat, Vec3};
+use ocularium::scene::model::SceneLight;
+use ocularium::scene::paint::{Canvas, hash, hex, linear, mix};
 
 pub(super) fn build(set: &mut Set, fonts: &Fonts) {
     bookcase(set, fonts);
     floor_lamp(set);
     sideboard(set);
-    hang_chart(set, fonts, &CHART);
+    hang_chart(set, fonts, &Target::CHART);
     picture(
         set,
         &Target::new("portrait", -16.4, 6.8, 6.2),
@@ -35,9 +35,9 @@ fn picture(set: &mut Set, place: &Target, [width, height]: [f32; 2], canvas: &Ca
 
 /// A case of four shelves whose spines' plane meets the line of sight at 3 m.
 fn bookcase(set: &mut Set, fonts: &Fonts) {
-    let oak = set.printed("bookcase", &wood(0x9a6a3f, 0x6e4526, 1, 61), true, 0.5);
+    let oak = set.covered("bookcase", true, 0.5);
     let (left, width, height, deep) = (0.66, 1.0, 1.62, 0.3);
-    let front = BOOKS.point_m().z;
+    let front = Target::BOOKS.point_m().z;
     let board = |w: f32, h: f32, d: f32| Shape::rounded_box(Vec3::new(w, h, d), 0.004, 0.3);
     let z = front + 0.025 - deep / 2.0;
     let mut case = Shape::joined([
@@ -185,7 +185,7 @@ fn floor_lamp(set: &mut Set) {
 }
 
 fn sideboard(set: &mut Set) {
-    let cherry = set.printed("sideboard", &wood(0x9b5a35, 0x6f3b20, 1, 71), true, 0.4);
+    let cherry = set.covered("sideboard", true, 0.4);
     let brass = set.metal("handles", 0xb08d57, 0.3);
     let (x, z) = (-1.05, -5.78);
     let body = Shape::rounded_box(Vec3::new(1.3, 0.62, 0.4), 0.008, 0.35);

@@ -1,10 +1,10 @@
 //! A reader in an armchair, her face 3 m from the eye.
 
-use super::super::organic::{blend, capsule, carve, ellipsoid, skin};
-use super::super::paint::{linear, mix, noise, smoothstep, weave};
-use super::super::shapes::Shape;
-use super::{FACE, Group, Set};
+use super::organic::{blend, capsule, carve, ellipsoid, skin};
+use super::shapes::Shape;
+use super::{Group, Set, Target};
 use glam::{Affine3A, Quat, Vec3};
+use ocularium::scene::paint::{Noise, linear, mix, smoothstep};
 
 const fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
@@ -12,12 +12,17 @@ const fn v(x: f32, y: f32, z: f32) -> Vec3 {
 
 const SIDES: [f32; 2] = [-1.0, 1.0];
 
+/// How much brighter than the hair's mean colour a strand is at most; no vertex colour is above 1.
+const BRIGHTEST_STRAND: f32 = 1.45;
+
 /// Centre of the head in the person's frame: y up from the floor, facing +z.
 const HEAD: Vec3 = v(0.0, 1.145, 0.0);
 
 pub(super) fn build(set: &mut Set) {
     let flesh = set.plain("skin", 0xffffff, 0.5);
     let hair = set.plain("hair", 0x4b2d1d, 0.55);
+    let color = &mut set.scene.materials[hair].base_color;
+    color[..3].iter_mut().for_each(|c| *c *= BRIGHTEST_STRAND);
     let wool = set.plain("sweater", 0xb5533c, 0.95);
     let denim = set.plain("trousers", 0x31445f, 0.9);
     let leather = set.plain("shoes", 0x4a3020, 0.45);
@@ -35,7 +40,11 @@ pub(super) fn build(set: &mut Set) {
         ("eyes", turned(Shape::joined(eyes)), white),
         ("irises", turned(Shape::joined(irises)), iris),
         ("lids", turned(lids), flesh),
-        ("brows and lashes", turned(features), hair),
+        (
+            "brows and lashes",
+            turned(features).tinted([1.0 / BRIGHTEST_STRAND; 3]),
+            hair,
+        ),
         ("lips", turned(lips), flesh),
         (
             "sweater",
@@ -58,13 +67,13 @@ pub(super) fn build(set: &mut Set) {
     ];
     let mut all = group;
     all.extend(armchair(set));
-    let foot = FACE.point_m();
+    let foot = Target::FACE.point_m();
     let yaw = Quat::from_rotation_y(0.2);
     let by = Affine3A::from_rotation_translation(
         yaw,
         Vec3::new(foot.x, 0.0, foot.z) - yaw * v(0.0, 0.0, 0.09),
     );
-    set.add_at_target(all, by, &FACE);
+    set.add_at_target(all, by, &Target::FACE);
 }
 
 /// An ellipsoid at an eye's centre plus `offset`, mirrored with the side.
@@ -130,15 +139,14 @@ fn hair_shape() -> Shape {
         HEAD + v(0.14, 0.16, 0.13),
         0.0115,
     );
+    let strands = Noise::new(64, 5);
     for (tint, position) in shape.tints.iter_mut().zip(&shape.positions) {
         let q = *position - HEAD;
-        let strand = noise(
+        let strand = strands.at(
             14.0 * q.x.atan2(q.z + 0.02).abs() + 9.0 * q.y,
             6.0 * q.y + 3.0,
-            64,
-            5,
         );
-        *tint *= 0.65 + 0.8 * strand;
+        *tint *= (0.65 + 0.8 * strand) / BRIGHTEST_STRAND;
     }
     shape
 }
@@ -304,8 +312,8 @@ fn leaves() -> Shape {
 
 /// An armchair in the person's frame.
 fn armchair(set: &mut Set) -> Group {
-    let cloth = set.printed("armchair", &weave(0x2f6d69, 0x3b807a, 51), true, 0.95);
-    let accent = set.printed("cushion", &weave(0xe3b04b, 0xd79a35, 52), true, 0.95);
+    let cloth = set.covered("armchair", true, 0.95);
+    let accent = set.covered("cushion", true, 0.95);
     let oak = set.plain("chair legs", 0x6b4226, 0.4);
     let soft = |x: f32, y: f32, z: f32, radius: f32| {
         Shape::rounded_box(v(x, y, z), radius, 0.14).uv_scaled(6.0, 6.0)

@@ -4,9 +4,8 @@
 //! The fonts are those of `epaint_default_fonts` (Ubuntu Light, Hack), so that text looks the same
 //! everywhere, also in a browser.
 
-use super::model::SceneError;
-use super::paint::Canvas;
-use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use ab_glyph::{Font, FontRef, InvalidFont, PxScale, ScaleFont, point};
+use ocularium::scene::paint::Canvas;
 
 /// A font at hand.
 #[derive(Debug, Clone)]
@@ -49,17 +48,17 @@ impl Style {
 
 impl Typeface {
     /// The proportional face (Ubuntu Light).
-    pub fn proportional() -> Result<Self, SceneError> {
-        Self::read("Ubuntu-Light", epaint_default_fonts::UBUNTU_LIGHT)
+    pub fn proportional() -> Result<Self, InvalidFont> {
+        Self::read(epaint_default_fonts::UBUNTU_LIGHT)
     }
 
     /// The fixed-pitch face (Hack Regular).
-    pub fn monospace() -> Result<Self, SceneError> {
-        Self::read("Hack-Regular", epaint_default_fonts::HACK_REGULAR)
+    pub fn monospace() -> Result<Self, InvalidFont> {
+        Self::read(epaint_default_fonts::HACK_REGULAR)
     }
 
-    fn read(name: &'static str, bytes: &'static [u8]) -> Result<Self, SceneError> {
-        let font = FontRef::try_from_slice(bytes).map_err(|_| SceneError::Font { font: name })?;
+    fn read(bytes: &'static [u8]) -> Result<Self, InvalidFont> {
+        let font = FontRef::try_from_slice(bytes)?;
         Ok(Self { font })
     }
 

@@ -3,8 +3,8 @@
 //! Enters: sizes in metres. Leaves: a [`Shape`], triangles with unit normals, texture coordinates
 //! and linear tints, which [`Shape::mesh`] turns into a [`SceneMesh`].
 
-use super::model::SceneMesh;
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3};
+use ocularium::scene::model::SceneMesh;
 use std::f32::consts::{PI, TAU};
 
 /// Triangles under construction.
