@@ -4,7 +4,8 @@
 
 mod room;
 
-use bevy::camera::Hdr;
+use bevy::camera::{Exposure, Hdr};
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use ocularium::lab::record::{RecordPlugin, plugins};
 use ocularium::prelude::*;
@@ -33,7 +34,9 @@ fn look_at_her(mut commands: Commands) {
             near: 0.01,
             ..default()
         }),
-        bevy::camera::Exposure::INDOOR,
+        Exposure { ev100: 8.7 },
+        // The default one needs a table that not every build of Bevy carries.
+        Tonemapping::AcesFitted,
         Transform::default(),
         Wandering,
     ));

@@ -6,7 +6,7 @@ mod room;
 
 use bevy::camera::{Hdr, Viewport};
 use bevy::prelude::*;
-use ocularium::lab::record::{RecordPlugin, Recording, plugins};
+use ocularium::lab::record::{RecordPlugin, plugins};
 use ocularium::prelude::*;
 
 fn main() -> AppExit {

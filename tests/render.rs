@@ -35,6 +35,7 @@ fn picture(headless: &Headless, which: Which) -> RgbaImage {
 
 fn request(out: &Path) -> RenderRequest {
     RenderRequest {
+        head_path: None,
         panels: PanelChoice::Both,
         size: UVec2::new(128, 64),
         seconds: 0.8,

@@ -245,6 +245,7 @@ fn the_eyes_entry_files_bind_and_call() {
             "fragment",
             "fragment",
             "head_from_eye",
+            "shown",
             "through_cornea",
             "vertex"
         ]

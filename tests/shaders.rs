@@ -29,6 +29,7 @@ struct View {
     clip_from_view: mat4x4<f32>,
     world_position: vec3<f32>,
     viewport: vec4<f32>,
+    exposure: f32,
 };
 @group(0) @binding(0) var<uniform> view: View;
 ",

@@ -18,7 +18,8 @@ struct Studio {
 // Radiance over irradiance / pi of a round lamp of angular radius `radius` about `direction`.
 fn round_lamp(d: vec3<f32>, direction: vec3<f32>, radius: f32, blur: f32) -> f32 {
     let edge = max(blur, 0.02);
-    let angle = acos(clamp(dot(d, direction), -1.0, 1.0));
+    // The chord for the angle: an arc cosine is coarse where lamps are small.
+    let angle = length(d - direction);
     // A lamp is at least as wide as its edge, and the edge adds a fifth of its square: the light stays
     // what it was.
     let wide = max(radius, edge);

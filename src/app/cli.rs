@@ -15,7 +15,7 @@ use crate::scene::catalog::{BuiltIn, SceneSource};
 use crate::scene::depth_file::DepthUnit;
 use crate::scene::photo::read_named_file;
 use crate::scene::picture_file::{Meaning, decode_picture, on_white};
-use crate::stage::Session;
+use crate::stage::{HeadPath, Session};
 use bevy::math::UVec2;
 use clap::builder::PossibleValue;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -150,6 +150,11 @@ struct RenderArgs {
     /// Distance of that camera from the cornea in mm, 35 to 400.
     #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance, allow_hyphen_values = true)]
     distance: f32,
+    /// The way that the head goes through a model: a file (RON) with a list of moments, as in
+    /// [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, right_m: 0.2, up_m: 0.0, yaw_deg: 20.0, pitch_deg: -5.0)],
+    /// against where the scene puts it.
+    #[arg(long, value_name = "FILE")]
+    head_path: Option<PathBuf>,
     /// Draw a ring in the view where the eye looks.
     #[arg(long)]
     marker: bool,
@@ -373,6 +378,11 @@ fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
         ));
         return Ok(ExitCode::from(2));
     }
+    let head_path = arguments
+        .head_path
+        .as_deref()
+        .map(HeadPath::load)
+        .transpose()?;
     let request = RenderRequest {
         panels,
         size: arguments.size,
@@ -388,6 +398,7 @@ fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
             threshold: arguments.threshold,
             ..ViewOptions::default()
         },
+        head_path,
         out: arguments.out.clone(),
         arguments: std::env::args_os()
             .skip(1)

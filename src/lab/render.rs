@@ -9,7 +9,7 @@ use crate::motion::trace::{TraceRow, write_trace};
 use crate::output_file::{FolderLock, WriteError, prepare_folder, write_whole};
 use crate::percept::ViewOptions;
 use crate::percept::places::FEWEST_CORNERS;
-use crate::stage::Session;
+use crate::stage::{HeadPath, Session};
 use bevy::math::UVec2;
 use image::RgbaImage;
 use serde::Serialize;
@@ -44,6 +44,8 @@ pub struct RenderRequest {
     pub orbit: EyeOrbit,
     /// Marker and threshold of the view.
     pub options: ViewOptions,
+    /// The way that the head goes, if it moves.
+    pub head_path: Option<HeadPath>,
     /// The folder that gets the files.
     pub out: PathBuf,
     /// What was asked for in words, for the report.
@@ -184,6 +186,9 @@ pub fn render(
     let mut headless = Headless::new(session, sizes, shown)?;
     headless.set_orbit(request.orbit);
     headless.set_options(request.options);
+    if let Some(path) = &request.head_path {
+        headless.set_head_path(path.clone());
+    }
     headless.stand_still();
     let ready_after_s = started.elapsed().as_secs_f64();
 

@@ -4,7 +4,10 @@
 //! show it, all of them parts that any app may use: a patient with two eyes, an [`EyeModel`] in a
 //! studio with a camera before it, and a camera that [`SeesAs`] she does.
 
+pub mod head;
 mod scene_view;
+
+pub use head::{Head, HeadPath};
 
 use crate::anatomy::{Adaptation, Patient};
 use crate::appearance::{
@@ -158,6 +161,12 @@ impl Plugin for StagePlugin {
                         .in_set(EyeCommands),
                 )
                     .in_set(EyeSystems::Sense),
+            )
+            .add_systems(
+                Update,
+                (head::follow_path, head::place_head)
+                    .chain()
+                    .in_set(EyeSystems::Move),
             );
     }
 }
@@ -197,6 +206,8 @@ fn set(world: &mut World, session: &Session, sizes: [UVec2; 2], shown: [bool; 2]
             RenderTarget::Image(view_panel.image.clone().into()),
             view_panel,
             SeesAs(patient),
+            Head::default(),
+            head::Seat::default(),
         ))
         .id();
     world.flush();
@@ -221,6 +232,7 @@ fn carry_out(
     mut stage: ResMut<Stage>,
     mut clock: ResMut<SimulationClock>,
     mut living: Query<Living>,
+    mut heads: Query<&mut Head>,
     mut wanted: ResMut<scene_view::Wanted>,
     mut scenery: scene_view::Scenery,
     mut commands: Commands,
@@ -244,6 +256,9 @@ fn carry_out(
         controller.restart(seed);
         memory.restart();
         clock.time_s = 0.0;
+        if let Ok(mut head) = heads.get_mut(stage.view) {
+            head.set_if_neq(Head::default());
+        }
         restarted.write(Restarted);
     }
     if wanted.is_changed() {
@@ -303,6 +318,7 @@ pub struct StageView<'w, 's> {
     eye: Query<'w, 's, (&'static mut EyeOrbit, &'static mut EyeQuality), With<EyeCamera>>,
     view: Query<'w, 's, (&'static mut ViewOptions, &'static Percept)>,
     people: Query<'w, 's, (&'static Patient, &'static GazeController)>,
+    heads: Query<'w, 's, &'static mut Head, Without<HeadPath>>,
 }
 
 impl StageView<'_, '_> {
@@ -338,6 +354,18 @@ impl StageView<'_, '_> {
     pub fn set_options(&mut self, options: ViewOptions) {
         if let Ok((mut now, _)) = self.view.get_mut(self.stage.view) {
             now.set_if_neq(options);
+        }
+    }
+
+    /// Where the head is.
+    pub fn head(&self) -> Head {
+        self.heads.get(self.stage.view).copied().unwrap_or_default()
+    }
+
+    /// Moves the head, unless it goes on a path.
+    pub fn set_head(&mut self, head: Head) {
+        if let Ok(mut now) = self.heads.get_mut(self.stage.view) {
+            now.set_if_neq(head.clamped());
         }
     }
 

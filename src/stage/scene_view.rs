@@ -1,6 +1,7 @@
 //! The scene on the stage, and the camera before it.
 
 use super::Stage;
+use super::head::Seat;
 use crate::frame::Panel;
 use crate::percept::view::NEAR_M;
 use crate::percept::{Percept, ViewOptions};
@@ -78,7 +79,7 @@ impl Scenery<'_, '_> {
             LoadedScene::Photo(photo) => {
                 commands.entity(stage.view).insert((
                     Photograph(photo.clone()),
-                    Transform::IDENTITY,
+                    Seat::default(),
                     RenderLayers::layer(SCENE_LAYER),
                 ));
             }
@@ -110,8 +111,10 @@ fn standing_in(model: &SceneModel) -> impl Bundle + use<> {
         // One tap of four texels: a browser may run on a software rasteriser, and cannot say so.
         #[cfg(target_arch = "wasm32")]
         bevy::light::ShadowFilteringMethod::Hardware2x2,
-        Transform::from_translation(Vec3::from(model.eye.position_m))
-            .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up)),
+        Seat(
+            Transform::from_translation(Vec3::from(model.eye.position_m))
+                .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up)),
+        ),
         RenderLayers::layer(SCENE_LAYER),
     )
 }

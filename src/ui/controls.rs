@@ -37,9 +37,9 @@ pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: 
     numbers(ui, controlled);
     ledger(ui, state);
     ui.add_space(6.0);
-    ui.weak("Drag the eye to walk around it, scroll or pinch to come nearer, double-click for the front. Click in the view to look there.");
+    ui.weak("Drag the eye to walk around it, scroll or pinch to come nearer, double-click for the front. Click in the view to look there, drag it to turn the head.");
     if !state.touch {
-        ui.weak("Space pause · . step · R restart · 1 2 B panels · M marker · H controls.");
+        ui.weak("Space pause · . step · R restart · W A S D or arrows walk · 1 2 B panels · M marker · H controls.");
     }
 }
 

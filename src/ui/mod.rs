@@ -16,6 +16,7 @@ mod save;
 mod state;
 mod strip;
 mod touch;
+mod walk;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use link::link_of;
@@ -72,6 +73,7 @@ impl Plugin for UiPlugin {
                 Update,
                 (
                     keyboard,
+                    walk::walk,
                     own::receive,
                     power::save_power,
                     power::choose_quality,

@@ -4,6 +4,7 @@ use super::{Controlled, GazeMode, UiState};
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
+use crate::scene::catalog::LoadedScene;
 use bevy::math::{UVec2, Vec2};
 use bevy_egui::egui::{self, Rect, Sense, TextureId, Ui, pos2, vec2};
 
@@ -191,6 +192,19 @@ pub fn bars(ui: &mut Ui, side: f32, hint: &str, state: &mut UiState) -> bool {
     response.on_hover_text(hint).clicked()
 }
 
+/// The view goes with the pointer: `share` of its width and height.
+fn turn_head(controlled: &mut Controlled, share: egui::Vec2) {
+    let is_model = matches!(*controlled.stage.scene, LoadedScene::Model(_));
+    let Some(percept) = controlled.view.percept().filter(|_| is_model) else {
+        return;
+    };
+    let angles = 2.0 * Vec2::new(percept.half_field().x.atan(), percept.half_field().y.atan());
+    let mut head = controlled.view.head();
+    head.yaw_deg -= (share.x * angles.x).to_degrees();
+    head.pitch_deg += (share.y * angles.y).to_degrees();
+    controlled.view.set_head(head);
+}
+
 /// What happens with a file that hovers over the window, or is being read.
 pub fn own_file(ui: &mut Ui, reading: bool) {
     let area = ui.max_rect();
@@ -221,7 +235,7 @@ fn view(
     picture: Option<TextureId>,
     rectangle: Rect,
 ) {
-    let response = ui.interact(rectangle, "view".into(), Sense::click());
+    let response = ui.interact(rectangle, "view".into(), Sense::click_and_drag());
     paint(ui, picture, rectangle);
     if !controlled.clock.ready {
         // On a ground of its own: behind it is whatever was seen before.
@@ -241,6 +255,9 @@ fn view(
     // A second finger is a pinch, and no place to look at.
     if ui.input(|input| input.multi_touch().is_some()) {
         return;
+    }
+    if response.dragged() {
+        turn_head(controlled, response.drag_delta() / rectangle.size());
     }
     let target = |at: egui::Pos2| {
         let share = (at - rectangle.min) / rectangle.size();

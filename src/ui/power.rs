@@ -4,7 +4,7 @@ use crate::appearance::EyeQuality;
 use crate::frame::SimulationClock;
 use crate::frame::readiness::Readiness;
 use crate::percept::ViewOptions;
-use crate::stage::{Panels, StageView};
+use crate::stage::{Head, Panels, StageView};
 use bevy::prelude::*;
 use bevy::winit::{UpdateMode, WinitSettings};
 use std::time::Duration;
@@ -63,9 +63,10 @@ pub(super) fn save_power(
     readiness: Res<Readiness>,
     (own, saving): (Res<super::OwnScene>, Res<super::save::Saving>),
     winit: Option<ResMut<WinitSettings>>,
-    mut calm_frames: Local<u32>,
+    (mut calm_frames, mut last_head): (Local<u32>, Local<Head>),
 ) {
     let Some(mut winit) = winit else { return };
+    let walking = std::mem::replace(&mut *last_head, view.head()) != view.head();
     // A panel that was resized or shown a moment ago still has to be captured and drawn.
     let busy = !clock.ready
         || !clock.paused
@@ -73,6 +74,7 @@ pub(super) fn save_power(
         || own.is_busy()
         || saving.is_busy()
         || readiness.quiet_frames() < 5
+        || walking
         || (panels.view().visible
             && view.percept().is_none_or(|percept| {
                 !percept.is_captured() || percept.captured().size != panels.view().size

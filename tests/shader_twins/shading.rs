@@ -73,6 +73,8 @@ pub fn draw_studio(rng: &mut Pcg64) -> Vec<f32> {
     x.extend(colors(rng, radius * radius));
     x.extend(colors(rng, 1.0));
     x.extend(colors(rng, 1.0));
+    // The key light is a window, or a round lamp.
+    x[19] = f32::from(u8::from(between(rng, 0.0, 1.0) < 0.5));
     x
 }
 

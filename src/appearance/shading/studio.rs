@@ -28,7 +28,8 @@ pub fn studio_radiance(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
 /// Radiance over irradiance / π of a round lamp of angular radius `radius` (rad) about `direction`.
 pub fn round_lamp(d: DVec3, direction: DVec3, radius: f64, blur: f64) -> f64 {
     let edge = blur.max(0.02);
-    let angle = d.dot(direction).clamp(-1.0, 1.0).acos();
+    // The chord for the angle: an arc cosine is coarse where lamps are small.
+    let angle = d.distance(direction);
     // A lamp is at least as wide as its edge, and the edge adds a fifth of its square: the light stays
     // what it was.
     let wide = radius.max(edge);

@@ -1,0 +1,315 @@
+//! The head before a scene: where it is, and paths that it walks.
+//!
+//! Enters: a path file (RON), or whoever moves [`Head`]. Leaves: the place of the camera that sees.
+
+use super::Stage;
+use crate::frame::SimulationClock;
+use crate::input_file::{one_clause, read_input_file};
+use bevy::prelude::*;
+use serde::Deserialize;
+use std::path::Path;
+
+/// Farthest that a head goes from where the scene puts it, m along each axis.
+pub const FARTHEST_M: f32 = 100.0;
+/// Farthest that a head bends up or down, degrees.
+pub const STEEPEST_DEG: f32 = 80.0;
+/// Largest file of a path, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Where the head is and faces, against where the scene puts it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Head {
+    /// Metres to the right, up and forwards, along the directions in which the scene puts it.
+    pub place_m: Vec3,
+    /// Turned to the right, degrees.
+    pub yaw_deg: f32,
+    /// Bent up, degrees, −80 to 80.
+    pub pitch_deg: f32,
+}
+
+impl Head {
+    /// The same head within its bounds.
+    pub fn clamped(self) -> Self {
+        let place_m = self
+            .place_m
+            .clamp(Vec3::splat(-FARTHEST_M), Vec3::splat(FARTHEST_M));
+        Self {
+            place_m: if place_m.is_finite() {
+                place_m
+            } else {
+                Vec3::ZERO
+            },
+            yaw_deg: if self.yaw_deg.is_finite() {
+                self.yaw_deg % 360.0
+            } else {
+                0.0
+            },
+            pitch_deg: if self.pitch_deg.is_finite() {
+                self.pitch_deg.clamp(-STEEPEST_DEG, STEEPEST_DEG)
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// Walks by so many metres to the right and forwards, as the head faces.
+    pub fn walk(&mut self, right_m: f32, forwards_m: f32) {
+        let (sine, cosine) = self.yaw_deg.to_radians().sin_cos();
+        self.place_m += Vec3::new(
+            right_m * cosine + forwards_m * sine,
+            0.0,
+            forwards_m * cosine - right_m * sine,
+        );
+        *self = self.clamped();
+    }
+
+    /// In the frame in which the scene puts the head: x right, y up, −z forwards.
+    fn transform(&self) -> Transform {
+        Transform {
+            translation: self.place_m * Vec3::new(1.0, 1.0, -1.0),
+            rotation: Quat::from_rotation_y(-self.yaw_deg.to_radians())
+                * Quat::from_rotation_x(self.pitch_deg.to_radians()),
+            scale: Vec3::ONE,
+        }
+    }
+}
+
+/// Where the scene puts the head.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seat(pub Transform);
+
+/// One moment of a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HeadKey {
+    /// Time, s, 0 to 3600, above that of the key before.
+    pub time_s: f64,
+    /// To the right, m, −100 to 100.
+    pub right_m: f32,
+    /// Up, m, −100 to 100.
+    pub up_m: f32,
+    /// Forwards, m, −100 to 100.
+    pub forward_m: f32,
+    /// Turned to the right, degrees, −360 to 360.
+    pub yaw_deg: f32,
+    /// Bent up, degrees, −80 to 80.
+    pub pitch_deg: f32,
+}
+
+impl HeadKey {
+    fn values(&self) -> [f32; 5] {
+        [
+            self.right_m,
+            self.up_m,
+            self.forward_m,
+            self.yaw_deg,
+            self.pitch_deg,
+        ]
+    }
+}
+
+/// A way that a head goes; on the camera that sees it moves [`Head`] with the clock.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct HeadPath(Vec<HeadKey>);
+
+/// Why a path could not be read.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read head path {file}: {reason}")]
+pub struct HeadPathError {
+    file: String,
+    reason: String,
+}
+
+impl HeadPath {
+    /// Reads a path from a file.
+    ///
+    /// # Errors
+    /// One sentence that names the file and what is wrong in it.
+    pub fn load(path: &Path) -> Result<Self, HeadPathError> {
+        let file = path.display().to_string();
+        let refused = |reason: String| HeadPathError {
+            file: file.clone(),
+            reason,
+        };
+        let bytes = read_input_file(path, MAX_FILE_BYTES).map_err(|error| {
+            refused(match error.kind() {
+                std::io::ErrorKind::NotFound => "it does not exist".into(),
+                _ => error.to_string(),
+            })
+        })?;
+        let text = String::from_utf8(bytes).map_err(|_| refused("it is not UTF-8 text".into()))?;
+        Self::parse(&text).map_err(refused)
+    }
+
+    /// Reads a path from RON text: a list of keys.
+    ///
+    /// # Errors
+    /// A clause about what is wrong.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let keys: Vec<HeadKey> = ron::from_str(text).map_err(|error| {
+            format!(
+                "line {}, column {}: {}; it is a list such as [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, yaw_deg: 20.0)]",
+                error.span.start.line,
+                error.span.start.col,
+                one_clause(&error.code)
+            )
+        })?;
+        if keys.is_empty() {
+            return Err("it has no keys".into());
+        }
+        let mut before_s = -1.0;
+        for (index, key) in keys.iter().enumerate() {
+            let within = |name: &str, value: f64, low: f64, high: f64| {
+                // A NaN is in no range.
+                if (low..=high).contains(&value) {
+                    Ok(())
+                } else {
+                    Err(format!(
+                        "key {}: {name} = {value} is out of range; allowed: {low} to {high}",
+                        index + 1
+                    ))
+                }
+            };
+            within("time_s", key.time_s, 0.0, 3600.0)?;
+            if key.time_s <= before_s {
+                return Err(format!(
+                    "key {}: time_s = {} does not come after {before_s}",
+                    index + 1,
+                    key.time_s
+                ));
+            }
+            before_s = key.time_s;
+            for (name, value) in [
+                ("right_m", key.right_m),
+                ("up_m", key.up_m),
+                ("forward_m", key.forward_m),
+            ] {
+                within(name, value.into(), -100.0, 100.0)?;
+            }
+            within("yaw_deg", key.yaw_deg.into(), -360.0, 360.0)?;
+            within("pitch_deg", key.pitch_deg.into(), -80.0, 80.0)?;
+        }
+        Ok(Self(keys))
+    }
+
+    /// Where the head is at a time: on a smooth curve through the keys, and at rest before the first and
+    /// after the last.
+    pub fn at(&self, time_s: f64) -> Head {
+        let after = self.0.partition_point(|key| key.time_s <= time_s);
+        let values = match (after.checked_sub(1), self.0.get(after)) {
+            (None, Some(first)) => first.values(),
+            (Some(last), None) => self.0[last].values(),
+            (Some(from), Some(_)) => self.between(from, time_s),
+            (None, None) => [0.0; 5],
+        };
+        let [right, up, forwards, yaw_deg, pitch_deg] = values;
+        Head {
+            place_m: Vec3::new(right, up, forwards),
+            yaw_deg,
+            pitch_deg,
+        }
+        .clamped()
+    }
+
+    /// The cubic through two keys with the slopes of their neighbours; it starts and ends at rest.
+    fn between(&self, from: usize, time_s: f64) -> [f32; 5] {
+        let keys = &self.0;
+        let (a, b) = (&keys[from], &keys[from + 1]);
+        let span_s = b.time_s - a.time_s;
+        let u = ((time_s - a.time_s) / span_s) as f32;
+        let slope = |at: usize, channel: usize| -> f32 {
+            if at == 0 || at + 1 == keys.len() {
+                return 0.0;
+            }
+            let (before, after) = (&keys[at - 1], &keys[at + 1]);
+            let rise = after.values()[channel] - before.values()[channel];
+            rise * (span_s / (after.time_s - before.time_s)) as f32
+        };
+        let (u2, u3) = (u * u, u * u * u);
+        std::array::from_fn(|channel| {
+            let (p, q) = (a.values()[channel], b.values()[channel]);
+            let (m, n) = (slope(from, channel), slope(from + 1, channel));
+            (2.0 * u3 - 3.0 * u2 + 1.0) * p
+                + (u3 - 2.0 * u2 + u) * m
+                + (3.0 * u2 - 2.0 * u3) * q
+                + (u3 - u2) * n
+        })
+    }
+}
+
+/// A head on a path goes with the clock.
+pub(super) fn follow_path(clock: Res<SimulationClock>, mut heads: Query<(&HeadPath, &mut Head)>) {
+    for (path, mut head) in &mut heads {
+        head.set_if_neq(path.at(clock.time_s));
+    }
+}
+
+/// Puts the camera that sees where the head is.
+pub(super) fn place_head(stage: Res<Stage>, mut heads: Query<(&Head, &Seat, &mut Transform)>) {
+    if let Ok((head, seat, mut transform)) = heads.get_mut(stage.view) {
+        transform.set_if_neq(if *head == Head::default() {
+            seat.0
+        } else {
+            seat.0 * head.transform()
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_goes_through_its_keys_and_rests_at_its_ends() {
+        let text = "[(time_s: 1.0), (time_s: 2.0, forward_m: 1.0, yaw_deg: 30.0), (time_s: 4.0, right_m: 2.0)]";
+        let path = HeadPath::parse(text).expect("sound");
+        assert_eq!(path.at(0.0), Head::default());
+        assert_eq!(path.at(1.0), Head::default());
+        let middle = path.at(2.0);
+        assert_eq!((middle.place_m, middle.yaw_deg), (Vec3::Z, 30.0));
+        assert_eq!(path.at(9.0).place_m, Vec3::X * 2.0);
+        assert_eq!(path.at(f64::INFINITY).place_m, Vec3::X * 2.0);
+        // No step, and no jump of the slope at a key.
+        let place = |t: f64| path.at(t).place_m;
+        let slope = |t: f64| (place(t + 1e-3) - place(t - 1e-3)) / 2e-3;
+        assert!((slope(1.999) - slope(2.001)).length() < 0.02);
+        assert!(slope(1.0).length() < 0.02);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (text, said) in [
+            ("", "it is a list"),
+            ("[]", "no keys"),
+            ("[(time_s: -1.0)]", "key 1: time_s = -1"),
+            ("[(time_s: 1.0), (time_s: 1.0)]", "does not come after"),
+            ("[(pitch_deg: NaN)]", "pitch_deg = NaN"),
+            ("[(forward_m: 1e9)]", "-100 to 100"),
+            ("[(sideways_m: 1.0)]", "sideways_m"),
+        ] {
+            let error = HeadPath::parse(text).expect_err(text);
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_head_walks_where_it_faces() {
+        let mut head = Head {
+            yaw_deg: 90.0,
+            ..Head::default()
+        };
+        head.walk(0.0, 2.0);
+        // Turned to the right, forwards is to the right.
+        assert!((head.place_m - Vec3::X * 2.0).length() < 1e-6, "{head:?}");
+        let ahead = head.transform().forward();
+        assert!((*ahead - Vec3::X).length() < 1e-6, "{ahead:?}");
+        head.walk(0.0, f32::INFINITY);
+        assert!(head.place_m.is_finite());
+        let up = Head {
+            pitch_deg: 500.0,
+            ..Head::default()
+        };
+        assert_eq!(up.clamped().pitch_deg, STEEPEST_DEG);
+    }
+}
