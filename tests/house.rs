@@ -113,3 +113,33 @@ fn an_arrow_upwards_is_seen() {
     assert_eq!(faults("attic", ""), ["attic stands on no storey"]);
     assert!(faults("scene", "a\n#[cfg(test)]\nmod tests {\nuse crate::app;").is_empty());
 }
+
+/// The mathematics alone brings no engine, no window and no command line.
+#[test]
+fn the_library_without_features_is_mathematics() {
+    let tree = |arguments: &[&str]| {
+        let said = std::process::Command::new(env!("CARGO"))
+            .args(["tree", "--offline", "-e", "normal", "--prefix", "none"])
+            .args(arguments)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .expect("cargo");
+        assert!(
+            said.status.success(),
+            "{}",
+            String::from_utf8_lossy(&said.stderr)
+        );
+        String::from_utf8_lossy(&said.stdout).into_owned()
+    };
+    let has = |tree: &str, name: &str| tree.lines().any(|line| line.starts_with(name));
+    let alone = tree(&["--no-default-features"]);
+    for name in ["bevy", "wgpu", "egui", "clap", "plotters", "image"] {
+        assert!(!has(&alone, name), "{name} in {alone}");
+    }
+    assert!(has(&alone, "glam"), "the tree was not read: {alone}");
+    let plugins = tree(&["--no-default-features", "--features", "bevy"]);
+    for name in ["egui", "bevy_egui", "clap", "plotters", "criterion"] {
+        assert!(!has(&plugins, name), "{name} beside the plugins");
+    }
+    assert!(has(&plugins, "bevy_pbr"), "the tree was not read");
+}

@@ -2,10 +2,12 @@
 
 mod cli;
 mod drawn_blur;
+mod examples;
 mod gpu;
 mod house;
 mod ledger;
 mod models_in_view;
+mod people;
 mod percept_gpu;
 mod render;
 mod resized_view;

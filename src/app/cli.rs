@@ -486,13 +486,17 @@ fn prepare_file(file: &Path) -> Result<(), WriteError> {
     prepare_folder(folder).map_err(|error| refused(error.reason))
 }
 
-/// Entrance pupil of a patient whose pupil light alone would set, mm.
+/// Diameter of the hole in the iris of a patient whose pupil light would set, mm.
 const USUAL_PUPIL_MM: f64 = 4.0;
 
 /// What of a patient is measured: of her leading eye.
 fn measured_eye(patient: &PatientFile) -> MeasuredEye {
     let (eye, cornea, iris, ..) = patient.eye_components(patient.eye);
-    let entrance_mm = patient.pupil.diameter_mm().unwrap_or(USUAL_PUPIL_MM);
+    let magnification = cornea.pupil_magnification(iris.depth_mm);
+    let held_mm = patient
+        .pupil
+        .diameter_mm()
+        .map(|seen_mm| seen_mm / magnification);
     let pigment = iris.pigment();
     MeasuredEye {
         name: patient.name.clone(),
@@ -507,7 +511,7 @@ fn measured_eye(patient: &PatientFile) -> MeasuredEye {
         aqueous_index: cornea.aqueous_index,
         limbus_radius_mm: cornea.limbus_radius_mm,
         iris_depth_mm: iris.depth_mm,
-        pupil_diameter_mm: entrance_mm / cornea.pupil_magnification(iris.depth_mm),
+        pupil_diameter_mm: held_mm.unwrap_or(USUAL_PUPIL_MM),
         pupil_nasal_mm: iris.pupil_decentration_mm[0],
         pupil_superior_mm: iris.pupil_decentration_mm[1],
         stroma_melanin_fraction: pigment.stroma_melanin_fraction,

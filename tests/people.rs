@@ -1,0 +1,384 @@
+//! People in a world of one's own: eyes as entities, views on cameras, all of it changed as it runs.
+
+use crate::stage::{alone, look, mean, open, patient, session, settle, without_blinks};
+use bevy::app::App;
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{Hdr, RenderTarget};
+use bevy::math::UVec2;
+use bevy::prelude::*;
+use image::RgbaImage;
+use ocularium::OculariumPlugins;
+use ocularium::anatomy::EyeOf;
+use ocularium::frame::panel::target_image;
+use ocularium::lab::headless::{Headless, Which, plugins};
+use ocularium::prelude::*;
+use std::f32::consts::FRAC_PI_2;
+
+const SIDE: u32 = 64;
+
+/// A wall with a box before it, somebody, and `count` cameras that see as she does.
+fn world(count: usize) -> (Headless, Vec<Entity>, Entity) {
+    let mut app = App::new();
+    app.add_plugins((plugins(), OculariumPlugins));
+    let world = app.world_mut();
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(1.0, 1.0, 1.0));
+    let paint = |world: &mut World, hue: f32| {
+        world
+            .resource_mut::<Assets<StandardMaterial>>()
+            .add(Color::hsl(hue, 0.7, 0.5))
+    };
+    let (red, blue) = (paint(world, 0.0), paint(world, 220.0));
+    world.spawn((
+        Mesh3d(mesh.clone()),
+        MeshMaterial3d(red),
+        Transform::from_xyz(0.0, 0.0, -5.0).with_scale(Vec3::new(9.0, 9.0, 0.1)),
+    ));
+    let thing = world
+        .spawn((
+            Mesh3d(mesh),
+            MeshMaterial3d(blue),
+            Transform::from_xyz(0.3, 0.0, -2.0).with_scale(Vec3::splat(0.4)),
+        ))
+        .id();
+    world.spawn((
+        DirectionalLight {
+            illuminance: 2000.0,
+            ..default()
+        },
+        Transform::default().looking_to(Vec3::new(0.3, -0.5, -1.0), Vec3::Y),
+    ));
+    let ann = world.spawn(Patient::preset("healthy-blue")).id();
+    let cameras = (0..count)
+        .map(|_| {
+            let image = world
+                .resource_mut::<Assets<Image>>()
+                .add(target_image(UVec2::splat(SIDE)));
+            world
+                .spawn((
+                    Camera3d::default(),
+                    Hdr,
+                    RenderTarget::Image(image.clone().into()),
+                    Panel {
+                        visible: true,
+                        size: UVec2::splat(SIDE),
+                        image,
+                    },
+                    SeesAs(ann),
+                ))
+                .id()
+        })
+        .collect();
+    let headless = Headless::of(app).unwrap_or_else(|error| panic!("{error}"));
+    (headless, cameras, thing)
+}
+
+fn seen(headless: &mut Headless, camera: Entity) -> RgbaImage {
+    let image = headless
+        .world()
+        .get::<Panel>(camera)
+        .expect("a panel")
+        .image
+        .clone();
+    headless.picture(&image).expect("a picture")
+}
+
+#[test]
+fn four_views_of_a_still_scene_cost_four_pictures_and_no_capture() {
+    let _alone = alone();
+    let (mut headless, cameras, thing) = world(4);
+    headless.go_to(0.1);
+    headless.go_to(0.2);
+    let before = headless.work();
+    for frame in 1..=5 {
+        headless.go_to(0.2 + f64::from(frame) / 60.0);
+    }
+    let work = headless.work().since(before);
+    assert_eq!(
+        (work.view_captures, work.scene_passes, work.feature_passes),
+        (0, 0, 0),
+        "{work:?}"
+    );
+    // Pupils are never at rest.
+    assert_eq!(work.view_passes, 4 * 5, "{work:?}");
+    let still = seen(&mut headless, cameras[0]);
+    assert!(mean(&still) > 10.0, "there is something to be seen");
+
+    // Something moves where they look: each of them sees it, at once.
+    headless
+        .world()
+        .get_mut::<Transform>(thing)
+        .expect("the box")
+        .translation
+        .x = -0.3;
+    let before = headless.work();
+    headless.stand_still();
+    headless.finish_frame();
+    let work = headless.work().since(before);
+    assert_eq!((work.view_captures, work.view_passes), (4, 4), "{work:?}");
+    let moved = seen(&mut headless, cameras[0]);
+    assert!(difference(&still, &moved) > 3.0);
+
+    // Elsewhere nobody looks.
+    headless
+        .world()
+        .entity_mut(thing)
+        .insert(RenderLayers::layer(7));
+    for _ in 0..4 {
+        headless.stand_still();
+        headless.finish_frame();
+    }
+    let before = headless.work();
+    headless
+        .world()
+        .get_mut::<Transform>(thing)
+        .expect("the box")
+        .translation
+        .x = 0.1;
+    headless.stand_still();
+    headless.stand_still();
+    assert_eq!(headless.work().since(before).view_captures, 0);
+
+    // A camera that is done seeing is Bevy's again.
+    headless.world().entity_mut(cameras[0]).remove::<SeesAs>();
+    headless.stand_still();
+    let world = headless.world();
+    let target = world.get::<RenderTarget>(cameras[0]).expect("a target");
+    let panel = world.get::<Panel>(cameras[0]).expect("a panel");
+    assert_eq!(target.as_image(), Some(&panel.image));
+    assert!(world.get::<Camera>(cameras[0]).expect("a camera").is_active);
+}
+
+fn difference(one: &RgbaImage, other: &RgbaImage) -> f64 {
+    let sum: f64 = one
+        .as_raw()
+        .iter()
+        .zip(other.as_raw())
+        .map(|(a, b)| f64::from(a.abs_diff(*b)))
+        .sum();
+    sum / one.as_raw().len() as f64
+}
+
+/// What was seen sharply is so still after the head was turned away and back, and would not be if it
+/// had been forgotten.
+#[test]
+fn what_is_remembered_is_there_when_the_head_comes_back() {
+    let _alone = alone();
+    let view = UVec2::splat(320);
+    let mut headless = open(
+        session(patient("healthy-brown"), 3),
+        UVec2::splat(16),
+        view,
+        [false, true],
+    );
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    // The telephone in the hand, then the wall behind it.
+    look(&mut headless, -13.0, -14.5, 0.3);
+    headless.go_to(0.5);
+    headless.go_to(1.0);
+    look(&mut headless, 0.0, 8.0, 6.0);
+    for step in 0..10 {
+        headless.go_to(1.1 + 0.1 * f64::from(step));
+    }
+    let picture = |headless: &Headless| headless.panel(Which::View).expect("a picture");
+    let telephone = |headless: &Headless| {
+        image::imageops::crop_imm(&picture(headless), 60, 200, 80, 90).to_image()
+    };
+    let sharp = telephone(&headless);
+    let turn = |headless: &mut Headless, yaw_deg: f32| {
+        headless.set_head(ocularium::stage::Head {
+            yaw_deg,
+            ..default()
+        });
+    };
+    turn(&mut headless, 50.0);
+    headless.go_to(2.05);
+    headless.finish_frame();
+    headless.go_to(2.10);
+    let away = picture(&headless);
+    turn(&mut headless, 0.0);
+    headless.go_to(2.15);
+    headless.finish_frame();
+    headless.go_to(2.20);
+    let back = difference(&sharp, &telephone(&headless));
+    assert!(
+        difference(&away, &picture(&headless)) > 10.0,
+        "it was turned"
+    );
+
+    let patient = headless.stage().patient;
+    headless
+        .world()
+        .get_mut::<SharpnessField>(patient)
+        .expect("a memory")
+        .restart();
+    headless.go_to(2.25);
+    let forgotten = difference(&sharp, &telephone(&headless));
+    // 0.2 s at 0.45/s let blur grow by 9 %; without memory it is that of a lens set for the wall.
+    assert!(
+        back < 0.1 * forgotten && forgotten > 1.0,
+        "{back} when it comes back, {forgotten} when it is forgotten"
+    );
+}
+
+/// Which panels a change must show in: (eye, view).
+type Change = (&'static str, fn(&mut World, Entity, Entity), [bool; 2]);
+
+fn with<C: Component<Mutability = bevy::ecs::component::Mutable>>(
+    world: &mut World,
+    entity: Entity,
+    change: impl FnOnce(&mut C),
+) {
+    change(&mut world.get_mut::<C>(entity).expect("a component"));
+}
+
+const CHANGES: &[Change] = &[
+    (
+        "Refraction",
+        |w, eye, _| with(w, eye, |r: &mut Refraction| r.sphere_d = -4.0),
+        [false, true],
+    ),
+    (
+        "PupilControl",
+        |w, _, patient| with(w, patient, |p: &mut PupilControl| p.fixed_mm = Some(6.5)),
+        [true, true],
+    ),
+    (
+        "Iris",
+        |w, eye, _| with(w, eye, |iris: &mut Iris| iris.color = IrisColor::Blue),
+        [true, false],
+    ),
+    (
+        "Cornea",
+        |w, eye, _| with(w, eye, |c: &mut Cornea| c.anterior_radius_mm = 7.0),
+        [true, false],
+    ),
+    (
+        "Eye",
+        |w, eye, _| with(w, eye, |e: &mut Eye| e.angle_alpha_deg = [12.0, 0.0]),
+        [true, false],
+    ),
+    (
+        "Sclera",
+        |w, eye, _| with(w, eye, |s: &mut Sclera| s.redness = 1.0),
+        [true, false],
+    ),
+    (
+        "Skin",
+        |w, _, patient| with(w, patient, |s: &mut Skin| s.tone = 0.9),
+        [true, false],
+    ),
+    (
+        "Glaucoma of the eye",
+        |w, eye, _| {
+            w.entity_mut(eye).insert(Glaucoma {
+                stage: GlaucomaStage::Severe,
+            });
+        },
+        [false, true],
+    ),
+    (
+        "no glaucoma of the eye",
+        |w, eye, _| {
+            w.entity_mut(eye).remove::<Glaucoma>();
+        },
+        [false, true],
+    ),
+    (
+        "Glaucoma of the person",
+        |w, _, patient| {
+            w.entity_mut(patient).insert(Glaucoma {
+                stage: GlaucomaStage::Severe,
+            });
+        },
+        [false, true],
+    ),
+    (
+        "no glaucoma of the person",
+        |w, _, patient| {
+            w.entity_mut(patient).remove::<Glaucoma>();
+        },
+        [false, true],
+    ),
+    (
+        "Patient",
+        |w, _, patient| with(w, patient, |p: &mut Patient| p.leading = Laterality::OS),
+        [true, false],
+    ),
+];
+
+#[test]
+fn both_panels_follow_every_component() {
+    let _alone = alone();
+    let size = UVec2::splat(160);
+    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, 0.0, 0.0, 1.0);
+    headless.go_to(0.5);
+    headless.go_to(4.0);
+    let patient = headless.stage().patient;
+    let pictures = |headless: &mut Headless| {
+        settle(headless);
+        // What is slow, a pupil, is given its time; then everything stands.
+        [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
+    };
+    let mut time_s = 4.0;
+    let mut before = pictures(&mut headless);
+    for (name, change, shows) in CHANGES {
+        let eye = headless
+            .world()
+            .query_filtered::<(Entity, &Eye), With<EyeOf>>()
+            .iter(headless.world())
+            .find(|(_, eye)| eye.laterality == Laterality::OD)
+            .map(|(entity, _)| entity)
+            .expect("a right eye");
+        change(headless.world(), eye, patient);
+        for _ in 0..4 {
+            time_s += 1.0;
+            headless.go_to(time_s);
+        }
+        let after = pictures(&mut headless);
+        for (panel, (one, other)) in before.iter().zip(&after).enumerate() {
+            let found = difference(one, other);
+            println!("{name:26} {} {found:.3}", ["eye", "view"][panel]);
+            assert!(
+                !shows[panel] || found > 0.05,
+                "{name}: panel {panel} differs by {found}"
+            );
+        }
+        before = after;
+    }
+}
+
+/// Two people, one of whom is far older, move by the same clock, and their eyes meet on what they look at.
+#[test]
+fn the_eyes_of_a_person_meet_where_she_looks() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(1);
+    headless
+        .world()
+        .write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+            azimuth_rad: 0.1,
+            elevation_rad: -0.05,
+            distance_m: 0.3,
+        }));
+    headless.go_to(0.5);
+    headless.go_to(3.0);
+    let world = headless.world();
+    let mut gazes: Vec<(Laterality, Vec3)> = world
+        .query::<(&Eye, &Gaze)>()
+        .iter(world)
+        .map(|(eye, gaze)| (eye.laterality, gaze.direction().as_vec3()))
+        .collect();
+    gazes.sort_by_key(|(eye, _)| *eye == Laterality::OS);
+    let [(_, right), (_, left)] = gazes[..] else {
+        panic!("two eyes: {gazes:?}");
+    };
+    let point = right * 0.3;
+    let from_left = (point + Vec3::X * 0.063).normalize();
+    assert!((from_left - left).length() < 1e-3, "{from_left} {left}");
+    assert!(left.angle_between(right) > 0.15 && left.angle_between(right) < FRAC_PI_2);
+}
