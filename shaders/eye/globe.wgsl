@@ -19,8 +19,12 @@ struct Globe {
     iris: vec4<f32>,
     // Centre of the pupil (x, y) mm; radius of the scleral sphere mm; lipid thickness nm.
     pupil: vec4<f32>,
-    // x: 1 where the lens behind the pupil scatters (age), y: pinkness of the canthi, z: +1 OD, -1 OS, w: relief.
+    // x: radius of a cloud at the lens's capsule, mm, y: pinkness of the canthi, z: +1 OD, -1 OS, w: relief.
     options: vec4<f32>,
+    // What a lens of this age sends back, rgb.
+    lens: vec4<f32>,
+    // What a clouded nucleus sends back beyond it, rgb; w: share of the lens under clouded cortex.
+    nucleus: vec4<f32>,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
@@ -53,7 +57,11 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let facing = head_from_eye() * vec3f(0.0, 0.0, -1.0);
     let lit = iris_radiance(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.studio, facing, trace.point.xy, trace.direction, place, footprint, shade);
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
-    let inside = iris_and_pupil(pupil_radiance(globe.studio, globe.options.x, shade), lit, edge, place.uv.y);
+    var lens = globe.lens.rgb;
+#ifdef CLOUDED
+    lens += lens_cloud(globe.nucleus, globe.options.x, trace.point.xy);
+#endif
+    let inside = iris_and_pupil(pupil_radiance(globe.studio, lens, shade), lit, edge, place.uv.y);
     return inside * trace.transmittance;
 }
 #endif

@@ -63,10 +63,10 @@ fn iris_radiance(
     return iris_edges(reflectance * light, place.uv.y);
 }
 
-// What shows through the pupil: nearly black; an old lens scatters a little.
-fn pupil_radiance(studio: Studio, lens_scatter: f32, shade: LidShade) -> vec3f {
+// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' light.
+fn pupil_radiance(studio: Studio, lens: vec3f, shade: LidShade) -> vec3f {
     let light = (studio.key_color.rgb + studio.fill_color.rgb) * shade.key;
-    return vec3f(0.0016, 0.0013, 0.0012) + light * lens_scatter * vec3f(0.012, 0.010, 0.006);
+    return vec3f(0.0016, 0.0013, 0.0012) + light * lens;
 }
 
 // Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven

@@ -7,9 +7,9 @@
 #ifdef FIELD_LOSS
 @group(0) @binding(5) var visual_field: texture_2d<f32>;
 #endif
-#ifdef COUNT_WORK
-// 0: taps taken; 1: pixels copied; 2: pixels shaded.
-@group(0) @binding(6) var<storage, read_write> work: array<atomic<u32>, 4>;
+#ifdef MEDIA
+@group(0) @binding(6) var veil: texture_2d<f32>;
+@group(0) @binding(7) var<uniform> media: MediaUniform;
 #endif
 
 struct FullScreen {
@@ -148,11 +148,6 @@ fn gather_apart(g: Gather, vergence: f32, sigma: f32) -> vec4<f32> {
 // Weighted mean around a place for a blur of `sigma` pixels.
 fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
     let taps = gaussian_disc_taps(sigma, percept.max_taps);
-#ifdef COUNT_WORK
-    atomicAdd(&work[0], taps);
-    atomicAdd(&work[1], select(0u, 1u, taps == 0u));
-    atomicAdd(&work[2], 1u);
-#endif
     if taps == 0u {
         return centre.rgb;
     }
@@ -174,9 +169,6 @@ fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
     var sum = gathered.sum;
     if nearness(gathered.nearest, centre.a) > 0.0 {
         sum = gather_apart(g, centre.a, sigma);
-#ifdef COUNT_WORK
-        atomicAdd(&work[0], 4u * g.pairs * g.pairs);
-#endif
     }
     // All taps can be nearer and sharp: then the pixel keeps its own colour.
     let own = 1e-3;
@@ -201,9 +193,6 @@ fn near_sigma(place: vec2<f32>, vergence: f32) -> f32 {
 // Gaussian, and what they cover is covered.
 fn spread_near(place: vec2<f32>, centre: vec4<f32>, own: vec3<f32>, own_sigma: f32, sigma: f32) -> vec3<f32> {
     let taps = spread_taps(sigma, percept.max_taps);
-#ifdef COUNT_WORK
-    atomicAdd(&work[0], taps);
-#endif
     let level = spread_level(sigma, taps);
     let step2 = SPREAD_RADIUS * SPREAD_RADIUS * sigma * sigma / f32(taps);
     var covered = vec4<f32>(0.0);
@@ -291,13 +280,12 @@ fn present(input: FullScreen) -> @location(0) vec4<f32> {
     let open = eyelid_transmission(uv.y, percept.lid_aperture);
     var radiance = (1.0 - open) * eyelid_glow();
     if open > 0.0 {
-        radiance += open * seen_radiance(uv * vec2<f32>(percept.size));
+        var seen = seen_radiance(uv * vec2<f32>(percept.size));
+#ifdef MEDIA
+        let scattered = textureSampleLevel(veil, view_sampler, uv, 0.0).rgb;
+        seen = media.transmittance * ((1.0 - media.scattered) * seen + scattered);
+#endif
+        radiance += open * seen;
     }
     return shown(radiance, input.position.xy);
-}
-
-// The same for a lid aperture of 0, for devices on which a branch not taken still costs its time.
-@fragment
-fn present_closed(input: FullScreen) -> @location(0) vec4<f32> {
-    return shown(eyelid_glow(), input.position.xy);
 }

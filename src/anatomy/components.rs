@@ -179,6 +179,15 @@ pub enum IrisColor {
 }
 
 impl IrisColor {
+    /// Pigmentation factor of the glare function of CIE 135/1-1999.
+    pub fn glare_pigment(self) -> f64 {
+        match self {
+            Self::Brown => 0.5,
+            Self::Green => 1.0,
+            Self::Blue => 1.2,
+        }
+    }
+
     /// Pigment of this class.
     pub fn pigment(self) -> IrisPigment {
         match self {

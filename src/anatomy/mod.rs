@@ -10,12 +10,14 @@
 
 mod components;
 pub mod gaze;
+mod media;
 pub mod visual_field;
 
 pub use components::{
     Accommodation, Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
     Laterality, Lens, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
+pub use media::OcularMedia;
 pub use visual_field::VisualField;
 
 use bevy::ecs::system::SystemParam;

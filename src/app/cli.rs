@@ -4,7 +4,7 @@ mod placement;
 mod sentences;
 mod window;
 
-use crate::anatomy::{IrisColor, Laterality};
+use crate::anatomy::Laterality;
 use crate::appearance::EyeOrbit;
 use crate::lab::measure::{MeasureTable, MeasuredEye, measure};
 use crate::lab::render::{PanelChoice, RenderReport, RenderRequest, layout, render};
@@ -517,12 +517,7 @@ fn measured_eye(patient: &PatientFile) -> MeasuredEye {
         stroma_melanin_fraction: pigment.stroma_melanin_fraction,
         border_layer_melanin_fraction: pigment.border_layer_melanin_fraction,
         eumelanin_ratio: pigment.eumelanin_ratio,
-        // The pigmentation factors of CIE 135/1-1999.
-        glare_pigment: match patient.iris_color {
-            IrisColor::Brown => 0.5,
-            IrisColor::Green => 1.0,
-            IrisColor::Blue => 1.2,
-        },
+        glare_pigment: iris.color.glare_pigment(),
         lipid_thickness_nm: cornea.lipid_thickness_nm,
     }
 }

@@ -95,8 +95,12 @@ pub struct GlobeUniform {
     pub iris: Vec4,
     /// Pupil's centre x, y; scleral radius; lipid thickness in nm.
     pub pupil: Vec4,
-    /// Lens scatter, canthal pinkness, side (+1 OD), strength of the relief.
+    /// Radius of a cloud at the lens's capsule (mm), canthal pinkness, side (+1 OD), strength of the relief.
     pub options: Vec4,
+    /// What a lens of this age sends back, rgb.
+    pub lens: Vec4,
+    /// What a clouded nucleus sends back beyond it, rgb; w: share of the lens under clouded cortex.
+    pub nucleus: Vec4,
 }
 
 /// Which part of the globe a material draws: the part is a pipeline of its own, because a sclera
@@ -112,11 +116,11 @@ pub enum GlobePart {
 
 /// Pipeline key of a [`GlobeMaterial`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct GlobeKey(GlobePart);
+pub struct GlobeKey(GlobePart, bool);
 
 impl From<&GlobeMaterial> for GlobeKey {
     fn from(material: &GlobeMaterial) -> Self {
-        Self(material.part)
+        Self(material.part, material.clouded)
     }
 }
 
@@ -126,6 +130,8 @@ impl From<&GlobeMaterial> for GlobeKey {
 pub struct GlobeMaterial {
     /// The part that it draws.
     pub part: GlobePart,
+    /// Is there anything in the lens that a healthy one has not?
+    pub clouded: bool,
     /// The numbers.
     #[uniform(0)]
     pub globe: GlobeUniform,
@@ -247,7 +253,7 @@ macro_rules! eye_material {
                 layout: &MeshVertexBufferLayoutRef,
                 key: MaterialPipelineKey<Self>,
             ) -> Result<(), SpecializedMeshPipelineError> {
-                let define: fn(MaterialPipelineKey<Self>) -> Option<&'static str> = $define;
+                let define: fn(MaterialPipelineKey<Self>) -> Vec<&'static str> = $define;
                 // A camera of high dynamic range is given radiance, and has its own way to the screen.
                 let radiance = (key.mesh_key.target_format() == TextureFormat::Rgba16Float)
                     .then_some("RADIANCE");
@@ -264,10 +270,14 @@ macro_rules! eye_material {
 // A mask that lets everything through: masked meshes are drawn after opaque ones, so that the lids
 // have hidden most of the globe before its costly pixels are shaded.
 eye_material!(GlobeMaterial, shaders::GLOBE, AlphaMode::Mask(0.0), |key| {
-    (key.bind_group_data.0 == GlobePart::Cornea).then_some("CORNEA")
+    match key.bind_group_data {
+        GlobeKey(GlobePart::Sclera, _) => vec![],
+        GlobeKey(GlobePart::Cornea, false) => vec!["CORNEA"],
+        GlobeKey(GlobePart::Cornea, true) => vec!["CORNEA", "CLOUDED"],
+    }
 });
-eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, |_| None);
-eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, |_| None);
+eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, |_| vec![]);
+eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, |_| vec![]);
 eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, |_| {
-    None
+    vec![]
 });

@@ -63,6 +63,7 @@ impl Plugin for AppearancePlugin {
                 model::build_eyes,
                 pose::move_eyes,
                 pose::move_lids,
+                pose::cloud_lenses,
                 eye_camera::aim_cameras,
                 eye_camera::wake_cameras,
             )

@@ -19,7 +19,9 @@ use super::tissue_maps::{
     iris_image, light_settings, reflectance_image, sclera_image, skin_albedo, skin_image,
     static_uniform,
 };
-use crate::anatomy::{Cornea, Eye, EyeFinder, Iris, Laterality, Patient, Sclera, Skin};
+use crate::anatomy::{
+    Cornea, Eye, EyeFinder, Iris, Laterality, OcularMedia, Patient, Sclera, Skin,
+};
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
 use crate::optics::globe::GlobeShape;
@@ -79,6 +81,7 @@ pub struct EyeParts {
     pub(super) head_from_eye: Option<Quat>,
     pub(super) pupil_radius_mm: f32,
     pub(super) studio: Option<Studio>,
+    pub(super) media: Option<OcularMedia>,
     pub(super) globe: Vec<(Entity, Handle<GlobeMaterial>)>,
     pub(super) lights: Option<(LightTable, Handle<Image>)>,
     pub(super) skin: Handle<Mesh>,
@@ -264,6 +267,7 @@ impl Builder<'_, '_, '_, '_> {
         parts.pose = None;
         parts.shape = Some(shape);
         parts.head_from_eye = None;
+        parts.media = None;
         parts.built += 1;
         Ok(())
     }
@@ -318,6 +322,7 @@ impl Builder<'_, '_, '_, '_> {
         {
             let material = self.assets.globes.add(GlobeMaterial {
                 part,
+                clouded: false,
                 globe: uniform,
                 iris_map: iris_map.clone(),
                 sclera_map: sclera_map.clone(),

@@ -5,7 +5,7 @@ use super::images::map_image;
 use super::light_table::{LAMPS, SIDE};
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
-use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, Pupil};
+use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, OcularMedia, Pupil};
 use crate::frame::ledger::WorkLedger;
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -58,6 +58,32 @@ pub fn move_eyes(
         }
         if turned {
             light_iris(parts, rotation, &mut assets, &ledger);
+        }
+    }
+}
+
+/// Clouds the lenses, where their media have changed.
+pub fn cloud_lenses(
+    eyes: Query<&OcularMedia>,
+    mut models: Query<(&mut EyeParts, &Visibility)>,
+    mut assets: EyeAssets,
+) {
+    for (mut parts, visibility) in &mut models {
+        let Some(Ok(media)) = parts.eye.map(|eye| eyes.get(eye)) else {
+            continue;
+        };
+        if is_hidden(visibility) || parts.media.as_ref() == Some(media) {
+            continue;
+        }
+        let parts = &mut *parts;
+        parts.media = Some(*media);
+        for (_, material) in &parts.globe {
+            if let Some(mut material) = assets.globes.get_mut(material) {
+                material.clouded = !media.is_clear();
+                material.globe.lens = media.healthy_backscatter().extend(0.0);
+                material.globe.nucleus = media.nucleus_color().extend(media.cortical_share as f32);
+                material.globe.options.x = 0.5 * media.subcapsular_mm as f32;
+            }
         }
     }
 }

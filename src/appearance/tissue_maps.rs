@@ -107,11 +107,7 @@ pub(super) fn static_uniform(
     studio: Studio,
 ) -> GlobeUniform {
     let Anatomy {
-        eye,
-        cornea,
-        iris,
-        patient,
-        ..
+        eye, cornea, iris, ..
     } = anatomy;
     GlobeUniform {
         studio,
@@ -141,12 +137,9 @@ pub(super) fn static_uniform(
             eye.scleral_radius_mm as f32,
             cornea.lipid_thickness_nm as f32,
         ),
-        options: Vec4::new(
-            // The old lens scatters: 0 at 40 years, 1 at 90.
-            ((patient.age_years - 40.0) / 50.0).clamp(0.0, 1.0) as f32,
-            0.5,
-            side(eye.laterality),
-            1.0,
-        ),
+        options: Vec4::new(0.0, 0.5, side(eye.laterality), 1.0),
+        // The lens is filled in by its media.
+        lens: Vec4::ZERO,
+        nucleus: Vec4::ZERO,
     }
 }

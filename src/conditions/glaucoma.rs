@@ -3,6 +3,7 @@
 //! Enters: a stage after Hodapp, Parrish and Anderson (1993). Leaves: what it takes of a
 //! [`VisualField`]: glaucoma kills bundles of fibres, not places.
 
+use super::{Affected, Condition, Control};
 use crate::anatomy::visual_field::{BundleLoss, VisualField};
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
@@ -21,8 +22,9 @@ pub enum GlaucomaStage {
 }
 
 /// Glaucoma of an eye, or of both eyes of a person. Without it there is no pass, key or texture of it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
 #[reflect(Component)]
+#[serde(transparent)]
 pub struct Glaucoma {
     /// Hodapp–Parrish–Anderson stage.
     pub stage: GlaucomaStage,
@@ -33,7 +35,7 @@ impl Glaucoma {
     /// into the classes of Hodapp, Parrish and Anderson (1993); places are the usual ones, the
     /// arcuate bundles about 7 and 11 o'clock of the disc, the lower first. The factor of
     /// eccentricity is a model choice for Nießner's "significantly larger" (2013, section 3).
-    pub fn write(&self, field: &mut VisualField) {
+    fn take_from(&self, field: &mut VisualField) {
         let group = |centre_deg, spread_deg, depth_db, near_share| BundleLoss {
             centre_deg,
             spread_deg,
@@ -67,6 +69,47 @@ impl Glaucoma {
     }
 }
 
+/// The stages, in their order.
+const STAGES: [GlaucomaStage; 3] = [
+    GlaucomaStage::Early,
+    GlaucomaStage::Moderate,
+    GlaucomaStage::Severe,
+];
+
+impl Condition for Glaucoma {
+    const TITLE: &'static str = "Glaucoma";
+
+    fn onset() -> Self {
+        Self {
+            stage: GlaucomaStage::Early,
+        }
+    }
+
+    fn controls() -> &'static [Control<Self>] {
+        &[Control {
+            name: "stage",
+            range: (1.0, 3.0),
+            meaning: "early, moderate, severe (Hodapp, Parrish and Anderson)",
+            get: |own| own.stage as u8 as f64 + 1.0,
+            set: |own, value| own.stage = STAGES[(value.round() as usize).clamp(1, 3) - 1],
+        }]
+    }
+
+    fn write(&self, affected: &mut Affected) {
+        self.take_from(&mut affected.field);
+    }
+
+    fn caption(&self) -> String {
+        match self.stage {
+            GlaucomaStage::Early => "Early glaucoma: a mean deviation better than −6 dB.".into(),
+            GlaucomaStage::Moderate => {
+                "Moderate glaucoma: a mean deviation of −6 to −12 dB.".into()
+            }
+            GlaucomaStage::Severe => "Severe glaucoma: a mean deviation worse than −12 dB.".into(),
+        }
+    }
+}
+
 /// The field of an eye of this side and age (years) with glaucoma of this stage.
 pub fn glaucoma_field(
     stage: GlaucomaStage,
@@ -74,6 +117,6 @@ pub fn glaucoma_field(
     age_years: f64,
 ) -> VisualField {
     let mut field = VisualField::normal(eye, age_years);
-    Glaucoma { stage }.write(&mut field);
+    Glaucoma { stage }.take_from(&mut field);
     field
 }

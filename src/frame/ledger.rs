@@ -74,6 +74,8 @@ ledger! {
     view_pixels,
     /// Passes that ran code of glaucoma.
     glaucoma_passes,
+    /// Passes that spread the veil of clouded media.
+    veil_passes,
     /// Bytes of uniforms and maps sent to the GPU by us.
     bytes_uploaded,
 }

@@ -36,6 +36,8 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("sharpness_voxel", library!("sharpness_voxel")),
     ("gaussian_disc", library!("gaussian_disc")),
     ("eyelid_view", library!("eyelid_view")),
+    ("veil", library!("veil")),
+    ("lens_shade", library!("lens_shade")),
     ("iris_light", library!("iris_light")),
     ("footprint", library!("footprint")),
     ("studio", library!("studio")),
@@ -95,11 +97,14 @@ pub const CAPTURE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a
 pub const FEATURES: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0006");
 /// The sharpness field.
 pub const FIELD: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0007");
+/// The veil of clouded media.
+pub const VEIL: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0009");
 /// The picture of the view.
 pub const GATHER: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0008");
 
 const PERCEPT: &str = include_str!("../../shaders/view/percept_uniform.wgsl");
 const VISUAL_FIELD: &str = include_str!("../../shaders/view/visual_field.wgsl");
+const MEDIA: &str = include_str!("../../shaders/view/media.wgsl");
 const COMMON: &str = include_str!("../../shaders/eye/common.wgsl");
 
 /// Every shader of the program.
@@ -124,6 +129,7 @@ pub const SOURCES: &[Source] = &[
             "iris_light",
             "iris_relief",
             "iris_shade",
+            "lens_shade",
             "output",
         ],
         entry: &[COMMON, include_str!("../../shaders/eye/globe.wgsl")],
@@ -189,12 +195,19 @@ pub const SOURCES: &[Source] = &[
         ],
     },
     Source {
+        handle: VEIL,
+        name: "ocularium/veil.wgsl",
+        library: &["veil"],
+        entry: &[PERCEPT, MEDIA, include_str!("../../shaders/view/veil.wgsl")],
+    },
+    Source {
         handle: GATHER,
         name: "ocularium/gather.wgsl",
         library: &["retinal_blur", "gaussian_disc", "eyelid_view", "output"],
         entry: &[
             PERCEPT,
             VISUAL_FIELD,
+            MEDIA,
             include_str!("../../shaders/view/gather.wgsl"),
         ],
     },

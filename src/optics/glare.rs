@@ -40,6 +40,10 @@
 //!
 //! Twin: `shaders/lib/glare.wgsl`.
 
+mod veil;
+
+pub use veil::{VEIL_LEVELS, VEIL_SIGMA_TEXELS, Veil};
+
 use super::fresnel::clamp_or;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -4,12 +4,11 @@
 //! itself is gone, so that every number has one owner. [`DressedPatient`] reads a person's file back
 //! from her components.
 
-use super::file::{PatientFile, PupilSetting};
+use super::file::{ConditionParts, PatientFile, PupilSetting};
 use crate::anatomy::{
     Accommodation, Cornea, Eye, EyeOf, Eyes, Gaze, Iris, Laterality, Lens, Patient, Pupil,
     PupilControl, Refraction, Sclera, Skin,
 };
-use crate::conditions::Glaucoma;
 use crate::percept::SharpnessField;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::system::SystemParam;
@@ -137,10 +136,7 @@ impl PatientFile {
                     )),
                 };
                 eye.insert(self.eye_components(laterality));
-                match self.of_eye(laterality).glaucoma {
-                    Some(stage) => eye.insert(Glaucoma { stage }),
-                    None => eye.remove::<Glaucoma>(),
-                };
+                self.of_eye(laterality).put_conditions(&mut eye);
             }
         });
     }
@@ -188,7 +184,7 @@ type EyeParts = (
     &'static Lens,
     &'static Refraction,
     &'static Sclera,
-    Option<&'static Glaucoma>,
+    ConditionParts<'static>,
 );
 
 /// Reads the files of people from their components.
@@ -235,11 +231,10 @@ impl DressedPatient<'_, '_> {
 /// The file of a person both of whose eyes are like this one.
 fn with_eye(
     shared: &PatientFile,
-    (eye, cornea, iris, lens, refraction, sclera, glaucoma): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (eye, cornea, iris, lens, refraction, sclera, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
 ) -> PatientFile {
-    PatientFile {
+    let mut file = PatientFile {
         iris_color: iris.color,
-        glaucoma: glaucoma.map(|glaucoma| glaucoma.stage),
         sphere_d: refraction.sphere_d,
         cylinder_d: refraction.cylinder_d,
         axis_deg: refraction.axis_deg,
@@ -260,7 +255,9 @@ fn with_eye(
         pupil_decentration_mm: iris.pupil_decentration_mm,
         angle_alpha_deg: eye.angle_alpha_deg,
         ..shared.clone()
-    }
+    };
+    file.take_conditions(conditions);
+    file
 }
 
 #[cfg(test)]
@@ -288,7 +285,10 @@ mod tests {
                 ..EyeFile::default()
             },
             left: EyeFile {
-                glaucoma: Some(crate::conditions::GlaucomaStage::Severe),
+                glaucoma: Some(crate::conditions::Glaucoma {
+                    stage: crate::conditions::GlaucomaStage::Severe,
+                }),
+                cataract: Some(crate::conditions::Cataract::nuclear(3.0)),
                 eumelanin_ratio: Some(0.5),
                 ..EyeFile::default()
             },

@@ -4,8 +4,9 @@
 //! otherwise), and [`FIELDS`], which checks, controls and the README's table are made from.
 
 use crate::anatomy::{IrisColor, Laterality};
-use crate::conditions::GlaucomaStage;
+use crate::conditions::{Condition, with_conditions};
 use bevy::ecs::component::Component;
+use bevy::ecs::world::EntityWorldMut;
 use serde::{Deserialize, Serialize};
 
 /// How the pupil is set.
@@ -50,9 +51,9 @@ pub struct Field {
 
 macro_rules! patient_file {
     (
+        conditions { $($condition:ident : $condition_type:ty, $condition_meaning:literal;)+ }
         texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr;)+ }
         eye_choices { $($(#[$choice_doc:meta])* $choice:ident : $choice_type:ty = $choice_default:expr;)+ }
-        eye_conditions { $($(#[$condition_doc:meta])* $condition:ident : $condition_type:ty;)+ }
         numbers { $($number:ident = $number_default:literal, $number_low:literal to $number_high:literal, $number_unit:literal, $number_meaning:literal;)+ }
         eye_numbers { $($eye:ident = $eye_default:literal, $eye_low:literal to $eye_high:literal, $eye_unit:literal, $eye_meaning:literal;)+ }
         eye_options { $($option:ident, $option_low:literal to $option_high:literal, $option_unit:literal, $option_meaning:literal;)+ }
@@ -70,7 +71,7 @@ macro_rules! patient_file {
             $(#[doc = concat!($number_meaning, ": ", $number_low, " to ", $number_high, " ", $number_unit, ".")]
             pub $number: f64,)+
             $($(#[$choice_doc])* pub $choice: $choice_type,)+
-            $($(#[$condition_doc])* pub $condition: Option<$condition_type>,)+
+            $(#[doc = $condition_meaning] pub $condition: Option<$condition_type>,)+
             $(#[doc = concat!($eye_meaning, ": ", $eye_low, " to ", $eye_high, " ", $eye_unit, ".")]
             pub $eye: f64,)+
             $(#[doc = concat!($option_meaning, ": ", $option_low, " to ", $option_high, " ", $option_unit, ".")]
@@ -88,7 +89,7 @@ macro_rules! patient_file {
         #[serde(deny_unknown_fields, default)]
         pub struct EyeFile {
             $($(#[$choice_doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $choice: Option<$choice_type>,)+
-            $($(#[$condition_doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $condition: Option<$condition_type>,)+
+            $(#[doc = $condition_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $condition: Option<$condition_type>,)+
             $(#[doc = $eye_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $eye: Option<f64>,)+
             $(#[doc = $option_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $option: Option<f64>,)+
             $(#[doc = $pair_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $pair: Option<[f64; 2]>,)+
@@ -155,6 +156,39 @@ macro_rules! patient_file {
             }
         }
 
+        /// The conditions that a file may give, with what they are.
+        pub const CONDITIONS: &[(&str, &str)] = &[$((stringify!($condition), $condition_meaning),)+];
+
+        impl PatientFile {
+            /// Every number of its conditions: (field, value, range).
+            pub(super) fn condition_numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
+                let mut numbers = Vec::new();
+                $(if let Some(condition) = &self.$condition {
+                    for control in <$condition_type as Condition>::controls() {
+                        numbers.push((stringify!($condition), (control.get)(condition), control.range));
+                    }
+                })+
+                numbers
+            }
+
+            /// Gives an eye the conditions of a file whose eyes are alike, and takes the others from it.
+            pub(super) fn put_conditions(&self, eye: &mut EntityWorldMut) {
+                $(match &self.$condition {
+                    Some(condition) => eye.insert(condition.clone()),
+                    None => eye.remove::<$condition_type>(),
+                };)+
+            }
+
+            /// Takes the conditions of an eye into a file.
+            pub(super) fn take_conditions(&mut self, parts: ConditionParts) {
+                let ($($condition,)+) = parts;
+                $(self.$condition = $condition.cloned();)+
+            }
+        }
+
+        /// The conditions of an eye.
+        pub(super) type ConditionParts<'a> = ($(Option<&'a $condition_type>,)+);
+
         /// Every number of a patient file.
         pub const FIELDS: &[Field] = &[
             $(Field {
@@ -191,7 +225,7 @@ macro_rules! patient_file {
     };
 }
 
-patient_file! {
+with_conditions! { patient_file! {
     texts {
         /// Name shown to the user.
         name: String = "Unnamed".into();
@@ -207,10 +241,6 @@ patient_file! {
     eye_choices {
         /// Colour class of the iris; the three fractions override it.
         iris_color: IrisColor = IrisColor::Brown;
-    }
-    eye_conditions {
-        /// Glaucoma: `Early`, `Moderate` or `Severe`.
-        glaucoma: GlaucomaStage;
     }
     numbers {
         age_years = 30.0, 1 to 110, "years", "age";
@@ -245,4 +275,4 @@ patient_file! {
         pupil_decentration_mm = [0.2, 0.0], -1 to 1, "mm", "centre of the pupil towards the nose", "the same upwards";
         angle_alpha_deg = [5.45, 2.5], -15 to 15, "°", "optical axis outwards of the line of sight", "the same downwards";
     }
-}
+} }

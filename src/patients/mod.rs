@@ -10,7 +10,7 @@ mod parse;
 mod presets;
 
 pub use dress::DressedPatient;
-pub use file::{EyeFile, FIELDS, Field, PatientFile, PupilSetting};
+pub use file::{CONDITIONS, EyeFile, FIELDS, Field, PatientFile, PupilSetting};
 #[cfg(feature = "app")]
 pub(crate) use parse::parse_unchecked;
 pub use parse::{PatientError, load_patient, parse_patient};

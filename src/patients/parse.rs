@@ -122,6 +122,17 @@ impl PatientFile {
                 });
             }
         }
+        for (field, value, (low, high)) in self.condition_numbers() {
+            if !(low..=high).contains(&value) {
+                return Err(PatientError::OutOfRange {
+                    file: file.into(),
+                    eye: None,
+                    field,
+                    value: format!("{value}"),
+                    allowed: format!("{low} to {high}"),
+                });
+            }
+        }
         self.check_shape(file)?;
         self.check_globe(file)
     }

@@ -26,6 +26,8 @@ pub const PRESETS: &[Preset] = presets![
     "myope-3d",
     "presbyope-60",
     "glaucoma-moderate",
+    "cataract-nuclear",
+    "cataract-posterior",
 ];
 
 /// The built-in patient of this name.

@@ -1,6 +1,7 @@
 //! What the main world hands to the view's passes each frame, and what comes back.
 
-use super::gpu_data::PerceptUniform;
+use super::gpu_data::{MediaUniform, PerceptUniform};
+use super::pipelines::Effects;
 use crate::anatomy::VisualField;
 use bevy::asset::Handle;
 use bevy::image::Image;
@@ -63,10 +64,22 @@ pub struct PerceptFrame {
     pub forget: bool,
     /// The visual field, for a patient who has lost some of it.
     pub field_loss: Option<FieldMap>,
+    /// What the media do to the light, for an eye in which they are clouded.
+    pub media: Option<MediaUniform>,
     /// What is drawn into.
     pub target: Handle<Image>,
     /// The way back.
     pub returned: PerceptReturn,
+}
+
+impl PerceptFrame {
+    /// What its eye has that a healthy one has not.
+    pub fn effects(&self) -> Effects {
+        Effects {
+            field_loss: self.field_loss.is_some(),
+            media: self.media.is_some(),
+        }
+    }
 }
 
 /// A finished capture, on the CPU.

@@ -158,6 +158,31 @@ impl Default for PerceptUniform {
     }
 }
 
+/// What clouded media do to the light (struct `MediaUniform` of `shaders/view/media.wgsl`), 96 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct MediaUniform {
+    /// Weight of each mip level in the veil ([`crate::optics::glare::Veil::weights`]).
+    pub weights: [[f32; 4]; 4],
+    /// Transmittance, linear sRGB.
+    pub transmittance: [f32; 3],
+    /// Share of the light that is scattered.
+    pub scattered: f32,
+    /// Weight of the picture's mean in the veil.
+    pub rest: f32,
+    /// First and last mip level of the veil.
+    pub first_level: u32,
+    /// The last one.
+    pub last_level: u32,
+    /// Nothing.
+    pub unused: u32,
+}
+
+const _: () = assert!(size_of::<MediaUniform>() == 96);
+
+/// View pixels along a side of a pixel of the veil.
+pub const VEIL_SCALE: u32 = 4;
+
 /// View pixels a radian at the middle of a view of `width_px` pixels whose half field has the
 /// tangent `tan_half_fov`.
 pub fn pixels_per_radian(width_px: u32, tan_half_fov: f32) -> f32 {

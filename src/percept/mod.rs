@@ -23,6 +23,7 @@ mod resources;
 mod sees_as;
 pub mod sharpness_field;
 mod sight;
+pub mod veil;
 pub mod view;
 
 pub use frame::PerceptFrame;

@@ -6,12 +6,12 @@
 
 use super::frame::{CaptureSource, PerceptFrame};
 use super::gpu_data::{
-    FEATURE_COUNTERS, FORGET, PerceptUniform, TILE, WORKGROUP, mip_levels, pixel_groups,
-    slot_groups,
+    FEATURE_COUNTERS, FORGET, MediaUniform, PerceptUniform, TILE, VEIL_SCALE, WORKGROUP,
+    mip_levels, pixel_groups, slot_groups,
 };
-use super::pipelines::{Pass, Pipelines};
+use super::pipelines::{Effects, Pass, Pipelines};
 use super::readback::Staging;
-use super::resources::{PerceptGpu, View, ViewGpu, make_room, table_is_new};
+use super::resources::{PerceptGpu, VeilGpu, View, ViewGpu, make_room, table_is_new};
 use super::sees_as::Presents;
 use crate::frame::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
@@ -117,12 +117,10 @@ fn prepare(
             UVec2::new(target.size.width, target.size.height)
         });
         view.format = target.map_or(view.format, |target| target.format);
-        pipelines.are_ready(
-            &cache,
-            FRAME_PASSES,
-            frame.field_loss.is_some(),
-            view.format,
-        );
+        pipelines.are_ready(&cache, FRAME_PASSES, frame.effects(), view.format);
+        if frame.media.is_some() {
+            pipelines.are_ready(&cache, &[Pass::Veil], Effects::default(), view.format);
+        }
         upload_field(view, frame, &device, &queue, &ledger);
         view.present =
             frame.present || (view.presented != UVec2::ZERO && view.presented != view.target);
@@ -202,10 +200,10 @@ struct Recorder<'a> {
 
 impl Recorder<'_> {
     /// Runs one compute pass; says whether its pipeline was there.
-    fn run(&mut self, pass: Pass, field_loss: bool, bound: &[Bound<'_>], groups: [u32; 2]) -> bool {
+    fn run(&mut self, pass: Pass, effects: Effects, bound: &[Bound<'_>], groups: [u32; 2]) -> bool {
         let found = self
             .pipelines
-            .compute(self.device, self.cache, pass, field_loss, bound);
+            .compute(self.device, self.cache, pass, effects, bound);
         let Some((pipeline, bindings)) = found else {
             return false;
         };
@@ -290,6 +288,7 @@ fn show_captured(
     uniform.slot_mask = view.table.as_ref().map_or(0, |table| table.slots - 1);
     uniform.target_size = view.target.as_vec2().to_array();
     queue.write_buffer(&view.uniform, 0, bytemuck::bytes_of(&uniform));
+    spread_veil(frame, view, queue, recorder);
     if show(frame, view, images, recorder) {
         view.presented = view.target;
     }
@@ -350,7 +349,7 @@ fn capture(
     let format = gpu.format;
     if !recorder
         .pipelines
-        .are_ready(recorder.cache, &needed, false, format)
+        .are_ready(recorder.cache, &needed, Effects::default(), format)
     {
         return false;
     }
@@ -368,7 +367,8 @@ fn capture(
     data.table_slots_old = old.as_ref().map_or(0, |old| old.slots);
     queue.write_buffer(uniform, 0, bytemuck::bytes_of(&data));
 
-    let mut run = |pass, bound: &[Bound<'_>], groups| recorder.run(pass, false, bound, groups);
+    let mut run =
+        |pass, bound: &[Bound<'_>], groups| recorder.run(pass, Effects::default(), bound, groups);
     let pixels = pixel_groups(size.x, size.y, WORKGROUP);
     let first = view.level(0);
     let mut bound = vec![
@@ -507,12 +507,57 @@ fn draw_views(
                 }
             }
             _ => {
+                spread_veil(frame, view, &queue, &mut recorder);
                 if show(frame, view, &images, &mut recorder) {
                     view.presented = view.target;
                 }
             }
         }
     }
+}
+
+/// Is the veil of this frame's media over the view that is there?
+fn veil_is_there(frame: &PerceptFrame, gpu: &ViewGpu) -> bool {
+    let wanted = frame.media.map(|media| (gpu.captured, media));
+    gpu.veil.as_ref().is_some_and(|veil| veil.of == wanted)
+}
+
+/// Spreads the veil of clouded media over the view, where it is not there yet.
+fn spread_veil(
+    frame: &PerceptFrame,
+    gpu: &mut ViewGpu,
+    queue: &RenderQueue,
+    recorder: &mut Recorder<'_>,
+) {
+    let (Some(media), Some(view)) = (&frame.media, &gpu.view) else {
+        gpu.veil = None;
+        return;
+    };
+    if veil_is_there(frame, gpu) {
+        return;
+    }
+    let mut veil = match gpu.veil.take() {
+        Some(veil) if veil.size == view.size => veil,
+        _ => VeilGpu::new(recorder.device, view.size),
+    };
+    queue.write_buffer(&veil.uniform, 0, bytemuck::bytes_of(media));
+    let bound = [
+        (0, gpu.capture_uniform.as_entire_binding()),
+        (1, BindView(&view.colour_view)),
+        (2, BindSampler(recorder.sampler)),
+        (3, veil.uniform.as_entire_binding()),
+        (4, BindView(&veil.view)),
+    ];
+    let small = view.size.map(|side| side.div_ceil(VEIL_SCALE));
+    let groups = pixel_groups(small.x, small.y, WORKGROUP);
+    if recorder.run(Pass::Veil, Effects::default(), &bound, groups) {
+        veil.of = Some((gpu.captured, *media));
+        recorder.ledger.veil_passes(1);
+        recorder
+            .ledger
+            .bytes_uploaded(size_of::<MediaUniform>() as u64);
+    }
+    gpu.veil = Some(veil);
 }
 
 /// Field update and picture of one frame; says whether the picture was drawn.
@@ -522,7 +567,7 @@ fn show(
     images: &RenderAssets<GpuImage>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
-    let field_loss = frame.field_loss.is_some();
+    let effects = frame.effects();
     let (Some(view), Some(table), Some(target)) =
         (&gpu.view, &gpu.table, images.get(&frame.target))
     else {
@@ -530,7 +575,7 @@ fn show(
     };
     let (uniform, ledger) = (&gpu.uniform, recorder.ledger);
     let field = gpu.field.as_ref().map(|(_, view)| view);
-    if view.size != UVec2::from(frame.uniform.size) || field_loss != field.is_some() {
+    if view.size != UVec2::from(frame.uniform.size) || effects.field_loss != field.is_some() {
         return false;
     }
     let pixels = u64::from(view.size.x) * u64::from(view.size.y);
@@ -540,7 +585,12 @@ fn show(
             (0, uniform.as_entire_binding()),
             (5, table.keys.as_entire_binding()),
         ];
-        recorder.run(Pass::Rebase, false, &bound, slot_groups(table.slots));
+        recorder.run(
+            Pass::Rebase,
+            Effects::default(),
+            &bound,
+            slot_groups(table.slots),
+        );
     }
     if frame.update {
         let mut bound = vec![
@@ -551,12 +601,12 @@ fn show(
         ];
         bound.extend(field_at(12));
         let groups = pixel_groups(view.size.x, view.size.y, WORKGROUP);
-        if recorder.run(Pass::UpdateField, field_loss, &bound, groups) {
+        if recorder.run(Pass::UpdateField, effects, &bound, groups) {
             ledger.field_updates(1);
             ledger.field_pixels(pixels);
         }
     }
-    if !gpu.present {
+    if !gpu.present || (effects.media && !veil_is_there(frame, gpu)) {
         return false;
     }
     let mut bound = vec![
@@ -570,7 +620,7 @@ fn show(
     bound.extend(field_at(12));
     recorder.run(
         Pass::ReadBlur,
-        field_loss,
+        effects,
         &bound,
         pixel_groups(view.size.x, view.size.y, TILE),
     );
@@ -582,13 +632,14 @@ fn show(
         (4, view.tile_near.as_entire_binding()),
     ];
     bound.extend(field_at(5));
-    let found = recorder.pipelines.present(
-        recorder.device,
-        recorder.cache,
-        field_loss,
-        gpu.format,
-        &bound,
-    );
+    if let Some(veil) = gpu.veil.as_ref().filter(|_| effects.media) {
+        bound.push((6, BindView(&veil.view)));
+        bound.push((7, veil.uniform.as_entire_binding()));
+    }
+    let found =
+        recorder
+            .pipelines
+            .present(recorder.device, recorder.cache, effects, gpu.format, &bound);
     let Some((pipeline, bindings)) = found else {
         return false;
     };
@@ -613,7 +664,7 @@ fn show(
         u64::from(target.texture_descriptor.size.width)
             * u64::from(target.texture_descriptor.size.height),
     );
-    if field_loss {
+    if effects.field_loss {
         ledger.glaucoma_passes(1);
     }
     true

@@ -4,7 +4,7 @@
 //! A pass for an eye that has lost some of its field is another pipeline than one for an eye that has
 //! not: the healthy one holds none of the other's code, and the other is built only where it is needed.
 
-use super::gpu_data::PerceptUniform;
+use super::gpu_data::{MediaUniform, PerceptUniform};
 use crate::frame::shaders;
 use bevy::asset::Handle;
 use bevy::platform::collections::HashMap;
@@ -46,14 +46,27 @@ pub enum Pass {
     UpdateField,
     /// The blur to show, and the tiles' extremes.
     ReadBlur,
+    /// The veil of clouded media.
+    Veil,
     /// The picture.
     Present,
+}
+
+/// What an eye has that a healthy one has not. Each form of a pass is a pipeline of its own: the healthy
+/// one holds none of the others' code.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Effects {
+    /// Some of the visual field is lost.
+    pub field_loss: bool,
+    /// The media scatter or colour the light.
+    pub media: bool,
 }
 
 /// What is bound at a place.
 #[derive(Clone, Copy)]
 enum Slot {
     Uniform,
+    Media,
     Texture { filterable: bool },
     Depth,
     StorageTexture(TextureFormat),
@@ -71,6 +84,7 @@ impl Pass {
             Self::CaptureScene | Self::CapturePhoto | Self::Downsample => shaders::CAPTURE,
             Self::FastStrength | Self::CountCorners | Self::AppendCorners => shaders::FEATURES,
             Self::Present => shaders::GATHER,
+            Self::Veil => shaders::VEIL,
             _ => shaders::FIELD,
         }
     }
@@ -88,16 +102,21 @@ impl Pass {
             Self::Rebase => "rebase",
             Self::UpdateField => "update_field",
             Self::ReadBlur => "read_blur",
+            Self::Veil => "spread_veil",
             Self::Present => "present",
         }
     }
 
-    /// Has this pass another form for a field with losses?
-    fn knows_field_loss(self) -> bool {
-        matches!(self, Self::UpdateField | Self::ReadBlur | Self::Present)
+    /// Of these effects those for which this pass has another form.
+    fn known(self, effects: Effects) -> Effects {
+        let knows_field = matches!(self, Self::UpdateField | Self::ReadBlur | Self::Present);
+        Effects {
+            field_loss: effects.field_loss && knows_field,
+            media: effects.media && self == Self::Present,
+        }
     }
 
-    fn slots(self, field_loss: bool) -> Vec<(u32, Slot)> {
+    fn slots(self, effects: Effects) -> Vec<(u32, Slot)> {
         let rgba = Slot::StorageTexture(TextureFormat::Rgba16Float);
         let mut slots = match self {
             Self::CaptureScene => vec![
@@ -153,6 +172,13 @@ impl Pass {
                 (7, WRITE),
                 (8, WRITE),
             ],
+            Self::Veil => vec![
+                (0, Slot::Uniform),
+                (1, Slot::Texture { filterable: true }),
+                (2, Slot::Sampler),
+                (3, Slot::Media),
+                (4, rgba),
+            ],
             Self::Present => vec![
                 (0, Slot::Uniform),
                 (1, Slot::Texture { filterable: true }),
@@ -161,20 +187,23 @@ impl Pass {
                 (4, READ),
             ],
         };
-        if field_loss && self.knows_field_loss() {
+        if effects.field_loss {
             slots.push((if self == Self::Present { 5 } else { 12 }, TEXEL));
+        }
+        if effects.media {
+            slots.extend([(6, Slot::Texture { filterable: true }), (7, Slot::Media)]);
         }
         slots
     }
 
-    fn layout(self, field_loss: bool) -> BindGroupLayoutDescriptor {
+    fn layout(self, effects: Effects) -> BindGroupLayoutDescriptor {
         let visibility = if self == Self::Present {
             ShaderStages::FRAGMENT
         } else {
             ShaderStages::COMPUTE
         };
         let entries: Vec<BindGroupLayoutEntry> = self
-            .slots(field_loss)
+            .slots(effects)
             .into_iter()
             .map(|(binding, slot)| BindGroupLayoutEntry {
                 binding,
@@ -194,12 +223,14 @@ impl Slot {
             view_dimension: TextureViewDimension::D2,
             multisampled: false,
         };
+        let uniform = |bytes: usize| BindingType::Buffer {
+            ty: BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: BufferSize::new(bytes as u64),
+        };
         match self {
-            Self::Uniform => BindingType::Buffer {
-                ty: BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: BufferSize::new(size_of::<PerceptUniform>() as u64),
-            },
+            Self::Uniform => uniform(size_of::<PerceptUniform>()),
+            Self::Media => uniform(size_of::<MediaUniform>()),
             Self::Texture { filterable } => texture(TextureSampleType::Float { filterable }),
             Self::Depth => texture(TextureSampleType::Depth),
             Self::StorageTexture(format) => BindingType::StorageTexture {
@@ -230,29 +261,29 @@ struct Queued {
     id: Id,
 }
 
-/// A pass, whether it is for a field with losses, and the format that `present` draws.
-type Key = (Pass, bool, TextureFormat);
+/// A pass, its form, and the format that `present` draws.
+type Key = (Pass, Effects, TextureFormat);
 
 /// The pipelines that were asked for so far.
 #[derive(Resource, Default)]
 pub struct Pipelines(Mutex<HashMap<Key, Queued>>);
 
 /// One key for each form that there is.
-fn key_of(pass: Pass, field_loss: bool, format: TextureFormat) -> Key {
+fn key_of(pass: Pass, effects: Effects, format: TextureFormat) -> Key {
     let format = match pass {
         Pass::Present => format,
         _ => TextureFormat::Rgba8UnormSrgb,
     };
-    (pass, field_loss && pass.knows_field_loss(), format)
+    (pass, pass.known(effects), format)
 }
 
 impl Pipelines {
-    /// Which passes exist, and in which form: (pass, for a field with losses).
-    pub fn keys(&self) -> Vec<(Pass, bool)> {
+    /// Which passes exist, and in which form.
+    pub fn keys(&self) -> Vec<(Pass, Effects)> {
         let queued = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         queued
             .keys()
-            .map(|(pass, field_loss, _)| (*pass, *field_loss))
+            .map(|(pass, effects, _)| (*pass, *effects))
             .collect()
     }
 
@@ -269,10 +300,10 @@ impl Pipelines {
         device: &RenderDevice,
         cache: &'a PipelineCache,
         pass: Pass,
-        field_loss: bool,
+        effects: Effects,
         bound: &[(u32, BindingResource<'_>)],
     ) -> Option<(&'a ComputePipeline, BindGroup)> {
-        let key = key_of(pass, field_loss, TextureFormat::Rgba8UnormSrgb);
+        let key = key_of(pass, effects, TextureFormat::Rgba8UnormSrgb);
         let (layout, id) = self.get(cache, key);
         let Id::Compute(id) = id else { return None };
         Some((
@@ -286,11 +317,11 @@ impl Pipelines {
         &self,
         device: &RenderDevice,
         cache: &'a PipelineCache,
-        field_loss: bool,
+        effects: Effects,
         format: TextureFormat,
         bound: &[(u32, BindingResource<'_>)],
     ) -> Option<(&'a RenderPipeline, BindGroup)> {
-        let (layout, id) = self.get(cache, key_of(Pass::Present, field_loss, format));
+        let (layout, id) = self.get(cache, key_of(Pass::Present, effects, format));
         let Id::Render(id) = id else { return None };
         Some((
             cache.get_render_pipeline(id)?,
@@ -303,16 +334,17 @@ impl Pipelines {
         &self,
         cache: &PipelineCache,
         passes: &[Pass],
-        field_loss: bool,
+        effects: Effects,
         format: TextureFormat,
     ) -> bool {
         // Every one is asked for, so that they are built together.
-        let missing = passes.iter().filter(|&&pass| {
-            match self.get(cache, key_of(pass, field_loss, format)).1 {
-                Id::Compute(id) => cache.get_compute_pipeline(id).is_none(),
-                Id::Render(id) => cache.get_render_pipeline(id).is_none(),
-            }
-        });
+        let missing =
+            passes.iter().filter(
+                |&&pass| match self.get(cache, key_of(pass, effects, format)).1 {
+                    Id::Compute(id) => cache.get_compute_pipeline(id).is_none(),
+                    Id::Render(id) => cache.get_render_pipeline(id).is_none(),
+                },
+            );
         missing.count() == 0
     }
 }
@@ -333,13 +365,13 @@ fn bind(
     device.create_bind_group(None, &cache.get_bind_group_layout(layout), &entries)
 }
 
-fn queue(cache: &PipelineCache, (pass, field_loss, format): Key) -> Queued {
-    let layout = pass.layout(field_loss);
-    let shader_defs: Vec<ShaderDefVal> = if field_loss {
-        vec!["FIELD_LOSS".into()]
-    } else {
-        Vec::new()
-    };
+fn queue(cache: &PipelineCache, (pass, effects, format): Key) -> Queued {
+    let layout = pass.layout(effects);
+    let shader_defs: Vec<ShaderDefVal> =
+        [(effects.field_loss, "FIELD_LOSS"), (effects.media, "MEDIA")]
+            .into_iter()
+            .filter_map(|(has, name)| has.then(|| name.into()))
+            .collect();
     let label = Some(Cow::Borrowed(pass.entry_point()));
     let entry_point = Some(Cow::Borrowed(pass.entry_point()));
     let id = if pass == Pass::Present {

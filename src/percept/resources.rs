@@ -2,8 +2,8 @@
 //! voxel table of the sharpness field.
 
 use super::gpu_data::{
-    CANDIDATE_CAPACITY, FEATURE_COUNTERS, PerceptUniform, TABLE_COUNTERS, TILE, mip_levels,
-    table_slots,
+    CANDIDATE_CAPACITY, FEATURE_COUNTERS, MediaUniform, PerceptUniform, TABLE_COUNTERS, TILE,
+    VEIL_SCALE, mip_levels, table_slots,
 };
 use super::readback::Readback;
 use bevy::platform::collections::HashMap;
@@ -55,6 +55,7 @@ pub(super) struct ViewGpu {
     pub(super) captured: u64,
     /// Voxels in the table at most.
     pub(super) occupied: u32,
+    pub(super) veil: Option<VeilGpu>,
     pub(super) readback: Readback,
     /// Captures recorded since the one that the read-back holds.
     pub(super) unread: u32,
@@ -94,8 +95,50 @@ impl ViewGpu {
             presented: UVec2::ZERO,
             captured: 0,
             occupied: 0,
+            veil: None,
             readback: Readback::default(),
             unread: 0,
+        }
+    }
+}
+
+/// The veil over one view.
+pub(super) struct VeilGpu {
+    pub(super) size: UVec2,
+    pub(super) view: TextureView,
+    pub(super) uniform: Buffer,
+    /// Which capture it is of, and what media.
+    pub(super) of: Option<(u64, MediaUniform)>,
+}
+
+impl VeilGpu {
+    /// A veil for a view of this size, pixels.
+    pub(super) fn new(device: &RenderDevice, size: UVec2) -> Self {
+        let small = size.map(|side| side.div_ceil(VEIL_SCALE));
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("veil"),
+            size: Extent3d {
+                width: small.x,
+                height: small.y,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba16Float,
+            usage: TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        Self {
+            size,
+            view: texture.create_view(&TextureViewDescriptor::default()),
+            uniform: buffer(
+                device,
+                "media",
+                size_of::<MediaUniform>() as u64,
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            ),
+            of: None,
         }
     }
 }

@@ -3,17 +3,21 @@
 use super::frame::{
     CaptureRequest, CaptureResult, CaptureSource, FieldMap, PerceptFrame, PerceptReturn,
 };
-use super::gpu_data::{FORGET, PerceptUniform, default_voxel_angle_rad, pixels_per_radian};
+use super::gpu_data::{
+    FORGET, MediaUniform, PerceptUniform, default_voxel_angle_rad, mip_levels, pixels_per_radian,
+};
 use super::memory::SharpnessField;
 use super::places::{candidates_of, direction_of, distance_m};
 use super::sees_as::{SeesAs, Worn};
 use super::sight::SceneChanges;
 use crate::anatomy::{
-    Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, Pupil, Refraction, VisualField,
+    Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, OcularMedia, Pupil, Refraction,
+    VisualField,
 };
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::{Candidates, GazeController};
+use crate::optics::glare::Veil;
 use crate::scene::photo::PhotoScene;
 use crate::scene::photo_view::{Photograph, photo_images};
 use bevy::camera::visibility::RenderLayers;
@@ -32,6 +36,9 @@ const LARGEST_TEXTURE: u32 = 8192;
 const SEEING_APERTURE: f64 = 0.25;
 /// Frames without a pipeline under way after which what is drawn is whole.
 const QUIET_FRAMES: usize = 3;
+/// First mip level that is part of a veil: what is scattered by less is no veil yet, and a pixel of the
+/// veil is four of the view wide.
+const FIRST_VEIL_LEVEL: u32 = 3;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -117,7 +124,7 @@ pub struct Percept {
     /// Where the eye was when the memory began: the origin of its voxels, m.
     origin: Vec3,
     field: Option<FieldMap>,
-    shown: Option<PerceptUniform>,
+    shown: Option<(PerceptUniform, Option<MediaUniform>)>,
     captured: CaptureResult,
     captured_half: Vec2,
     returned: PerceptReturn,
@@ -456,6 +463,7 @@ type SeeingEye<'a> = (
     &'a Cornea,
     &'a Iris,
     Option<Ref<'a, VisualField>>,
+    Option<&'a OcularMedia>,
 );
 
 /// What of a person decides what her eyes see.
@@ -508,7 +516,7 @@ fn frame_of(
     percept: &mut Percept,
     shows: &Shows,
     options: &ViewOptions,
-    (gaze, pupil, accommodation, refraction, cornea, iris, field): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (gaze, pupil, accommodation, refraction, cornea, iris, field, media): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
     (lids, memory, controller): <Seer<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
     target: &Handle<Image>,
 ) -> PerceptFrame {
@@ -582,7 +590,10 @@ fn frame_of(
     // at once all the same, or its voxels that an older view left unseen would stand between those that
     // it saw.
     let seeing = lids.aperture > SEEING_APERTURE && (!controller.state().in_saccade || first);
-    let changed = percept.shown.as_ref() != Some(&uniform) || capture.is_some();
+    let media = media
+        .filter(|media| !media.is_clear())
+        .map(|media| media_uniform(media, &uniform));
+    let changed = percept.shown != Some((uniform, media)) || capture.is_some();
     let frame = PerceptFrame {
         visible,
         update: visible && (captured || follows) && (shows.moved || first) && seeing,
@@ -591,11 +602,12 @@ fn frame_of(
         uniform,
         capture,
         field_loss: percept.field.clone(),
+        media,
         target: target.clone(),
         returned: percept.returned.clone(),
     };
     if frame.present {
-        percept.shown = Some(uniform);
+        percept.shown = Some((uniform, media));
         percept.forget = false;
     }
     frame
@@ -645,6 +657,29 @@ fn place_marker(uniform: &mut PerceptUniform, gaze: &Gaze, size: UVec2) {
             (0.5 - 0.5 * v) * size.y as f32,
         ];
         uniform.marker_radius_px = (size.min_element() as f32 * 0.022).max(5.0);
+    }
+}
+
+/// What clouded media do to the light of a view with these numbers.
+fn media_uniform(media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform {
+    let veil = Veil::new(media.straylight, media.pigment);
+    let last = mip_levels(uniform.size[0], uniform.size[1]) - 1;
+    let first = FIRST_VEIL_LEVEL.min(last);
+    let (weights, rest) = veil.weights(
+        uniform.pixels_per_radian.into(),
+        first as usize,
+        last as usize,
+    );
+    MediaUniform {
+        weights: std::array::from_fn(|row| {
+            std::array::from_fn(|column| weights[4 * row + column] as f32)
+        }),
+        transmittance: media.transmittance().to_array(),
+        scattered: veil.scattered() as f32,
+        rest: rest as f32,
+        first_level: first,
+        last_level: last,
+        unused: 0,
     }
 }
 

@@ -8,6 +8,7 @@ pub mod hair_shade;
 pub mod iris_relief;
 pub mod iris_shade;
 pub mod lamp_lobe;
+pub mod lens_shade;
 pub mod lid_shade;
 pub mod limbus;
 pub mod sclera_shade;

@@ -1,0 +1,38 @@
+// A clouded lens behind the pupil. Twin: src/appearance/shading/lens_shade.rs.
+
+// Radius of the lens, of its nucleus, mm; what clouded cortex and a cloud at the capsule send back.
+const LENS_RADIUS_MM: f32 = 4.7;
+const NUCLEUS_RADIUS_MM: f32 = 2.75;
+const CORTEX_COLOR = vec3<f32>(0.13, 0.135, 0.14);
+const CAPSULE_COLOR = vec3<f32>(0.075, 0.072, 0.065);
+
+// Share of a place that wedges of clouded cortex cover, which cover this share of the lens. They begin at
+// its rim and point to its middle.
+fn cortical_wedges(place_mm: vec2<f32>, share: f32) -> f32 {
+    let angle = atan2(place_mm.y, place_mm.x + 1e-9);
+    let depth = 0.5 + 0.3 * sin(9.0 * angle + 1.3) + 0.2 * sin(17.0 * angle + 0.4);
+    let covered = clamp(2.0 * share * depth, 0.0, 1.0);
+    let begins = LENS_RADIUS_MM * sqrt(1.0 - covered);
+    return smoothstep(-0.25, 0.25, length(place_mm) - begins);
+}
+
+// Share of a place that a cloud of this radius in the middle of the capsule covers: grains with gaps.
+fn capsule_cloud(place_mm: vec2<f32>, radius_mm: f32) -> f32 {
+    let grain = sin(7.1 * place_mm.x + 2.3 * sin(4.7 * place_mm.y)) * sin(6.3 * place_mm.y + 1.9 * sin(5.9 * place_mm.x));
+    let edge = radius_mm * (0.9 + 0.1 * grain) - length(place_mm);
+    return smoothstep(-0.2, 0.2, edge) * (0.75 + 0.25 * grain);
+}
+
+// What a clouded lens sends back of the irradiance / pi on it, linear sRGB. `nucleus`: rgb of the nucleus,
+// w the share of the lens that clouded cortex covers; `cloud_mm` the radius of a cloud at the capsule.
+fn lens_cloud(nucleus: vec4<f32>, cloud_mm: f32, place_mm: vec2<f32>) -> vec3<f32> {
+    let middle = 1.0 - smoothstep(0.7, 1.25, length(place_mm) / NUCLEUS_RADIUS_MM);
+    var color = nucleus.rgb * (0.25 + 0.75 * middle);
+    if cloud_mm > 0.0 {
+        color = mix(color, CAPSULE_COLOR, capsule_cloud(place_mm, cloud_mm));
+    }
+    if nucleus.w > 0.0 {
+        color = mix(color, CORTEX_COLOR, cortical_wedges(place_mm, nucleus.w));
+    }
+    return color;
+}

@@ -1,0 +1,131 @@
+//! What the light passes on its way to the retina: cornea, aqueous, lens and vitreous, clear or clouded.
+//!
+//! Enters: the age of the eye and the pigment of its iris; conditions add to it. Leaves: how much light
+//! is scattered forwards over the retina and backwards out of the pupil, and what colour it takes.
+
+use crate::optics::glare::Glare;
+use crate::tissue::spectrum::{spectrum_from, spectrum_to_linear_srgb};
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::math::{DVec3, Vec3};
+use bevy::prelude::Component;
+use bevy::reflect::Reflect;
+
+/// Age from which a healthy lens shows grey in the pupil, and over how many years it comes to do so.
+const GREY_FROM_YEARS: f64 = 40.0;
+const GREY_OVER_YEARS: f64 = 50.0;
+/// What it sends back then of the lamps' irradiance over π, linear sRGB.
+const GREY_LENS: Vec3 = Vec3::new(0.012, 0.010, 0.006);
+/// Wavelength at which the added density of a yellowed nucleus is given, and over how many nm it falls
+/// by a factor e, nm.
+const DENSITY_AT_NM: f64 = 450.0;
+const DENSITY_FALL_NM: f64 = 75.0;
+
+/// The media of an eye. What a healthy eye of its age has is not counted: zero is healthy.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct OcularMedia {
+    /// Age of the eye, years.
+    pub age_years: f64,
+    /// Pigmentation factor of CIE 135/1-1999: 0 very dark, 0.5 brown, 1.2 light blue.
+    pub pigment: f64,
+    /// Straylight parameter at 7° beyond the healthy eye's, deg² sr⁻¹.
+    pub straylight: f64,
+    /// Optical density of the nucleus at 450 nm beyond the healthy lens's.
+    pub nuclear_density: f64,
+    /// What the nucleus sends back of the irradiance over π, at 550 nm, before its own colour.
+    pub nuclear_backscatter: f64,
+    /// Share of the lens's disc that clouded cortex covers, 0–1, in wedges from its rim.
+    pub cortical_share: f64,
+    /// Diameter of a cloud before the posterior capsule, mm.
+    pub subcapsular_mm: f64,
+}
+
+impl OcularMedia {
+    /// Clear media.
+    pub fn healthy(age_years: f64, pigment: f64) -> Self {
+        Self {
+            age_years,
+            pigment,
+            straylight: 0.0,
+            nuclear_density: 0.0,
+            nuclear_backscatter: 0.0,
+            cortical_share: 0.0,
+            subcapsular_mm: 0.0,
+        }
+    }
+
+    /// Is nothing clouded?
+    pub fn is_clear(&self) -> bool {
+        *self == Self::healthy(self.age_years, self.pigment)
+    }
+
+    /// Straylight parameter of the whole eye at 7°, as its decimal logarithm.
+    pub fn log_straylight(&self) -> f64 {
+        let seven = 7f64.to_radians();
+        (Glare::new(self.age_years, self.pigment).straylight(seven) + self.straylight).log10()
+    }
+
+    /// Transmittance beyond the healthy lens's, for white light, linear sRGB.
+    pub fn transmittance(&self) -> Vec3 {
+        if self.nuclear_density <= 0.0 {
+            return Vec3::ONE;
+        }
+        let density =
+            |nm: f64| self.nuclear_density * (-(nm - DENSITY_AT_NM) / DENSITY_FALL_NM).exp();
+        let through = spectrum_to_linear_srgb(&spectrum_from(|nm| 10f64.powf(-density(nm))));
+        DVec3::from(through)
+            .clamp(DVec3::ZERO, DVec3::ONE)
+            .as_vec3()
+    }
+
+    /// What a healthy lens of this age sends back of the lamps' irradiance over π, linear sRGB.
+    pub fn healthy_backscatter(&self) -> Vec3 {
+        let share = (self.age_years - GREY_FROM_YEARS) / GREY_OVER_YEARS;
+        GREY_LENS * share.clamp(0.0, 1.0) as f32
+    }
+
+    /// What a clouded nucleus sends back beyond that: light that has passed half of it twice.
+    pub fn nucleus_color(&self) -> Vec3 {
+        // Small particles: blue is scattered most, and absorbed most.
+        let scattered = Vec3::new(0.75, 1.0, 1.6) * self.nuclear_backscatter as f32;
+        scattered * self.transmittance()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clear_media_change_nothing_and_yellow_ones_take_blue() {
+        let clear = OcularMedia::healthy(70.0, 0.5);
+        assert!(clear.is_clear());
+        assert_eq!(clear.transmittance(), Vec3::ONE);
+        assert_eq!(clear.nucleus_color(), Vec3::ZERO);
+        let yellow = OcularMedia {
+            nuclear_density: 0.4,
+            ..clear
+        };
+        let t = yellow.transmittance();
+        assert!(!yellow.is_clear() && t.x > t.y && t.y > t.z, "{t}");
+        // Against the spectrum itself: 10^-0.4 at 450 nm, 10^-0.105 at 550.
+        assert!(t.z < 0.5 && (0.7..0.85).contains(&t.y) && t.x > 0.85, "{t}");
+        let brown = OcularMedia {
+            nuclear_density: 50.0,
+            ..clear
+        };
+        assert!(brown.transmittance().is_finite() && brown.transmittance().min_element() >= 0.0);
+    }
+
+    #[test]
+    fn straylight_adds_to_the_eyes_own() {
+        let clear = OcularMedia::healthy(70.0, 0.5);
+        // The complete CIE function at 70 years, brown: 1.125.
+        assert!((clear.log_straylight() - 1.125).abs() < 2e-3);
+        let clouded = OcularMedia {
+            straylight: 10.8,
+            ..clear
+        };
+        assert!((clouded.log_straylight() - (10f64.powf(1.125) + 10.8).log10()).abs() < 2e-3);
+    }
+}
