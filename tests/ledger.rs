@@ -6,7 +6,7 @@ use ocularium::frame::ledger::Work;
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
 use ocularium::percept::gpu_data::PerceptUniform;
-use ocularium::percept::pipelines::{Pass, Pipelines};
+use ocularium::percept::pipelines::{Effects, Pass, Pipelines};
 use ocularium::scene::catalog::LoadedScene;
 use ocularium::scene::room::room_scaled;
 use ocularium::stage::SessionCommand;
@@ -49,7 +49,7 @@ impl Run {
         assert!(self.headless.resize(which, size), "the size is another one");
     }
 
-    fn keys(&mut self) -> Vec<(Pass, bool)> {
+    fn keys(&mut self) -> Vec<(Pass, Effects)> {
         self.headless.render_world().resource::<Pipelines>().keys()
     }
 }
@@ -213,8 +213,12 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
         "nobody has had glaucoma"
     );
     let healthy = run.keys();
-    assert!(healthy.contains(&(Pass::Present, false)), "{healthy:?}");
-    assert!(healthy.iter().all(|(_, glaucoma)| !glaucoma), "{healthy:?}");
+    let plain = Effects::default();
+    assert!(healthy.contains(&(Pass::Present, plain)), "{healthy:?}");
+    assert!(
+        healthy.iter().all(|(_, effects)| *effects == plain),
+        "{healthy:?}"
+    );
 
     let mut change = |name: &str| {
         let command = SessionCommand::Patient(Box::new(patient(name)));
@@ -233,12 +237,37 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
     let work = change("healthy-blue");
     assert!(work.view_passes > 0, "{work:?}");
     assert_eq!(work.glaucoma_passes, 0, "the next patient is healthy");
+    let clouded = change("cataract-nuclear");
+    assert_eq!(
+        clouded.veil_passes, 0,
+        "a still view has its veil: {clouded:?}"
+    );
+    assert!(
+        clouded.view_passes > 1 && clouded.glaucoma_passes == 0,
+        "{clouded:?}"
+    );
+    let work = change("healthy-green");
+    assert_eq!((work.veil_passes, work.glaucoma_passes), (0, 0), "{work:?}");
+    assert_eq!(run.headless.work().veil_passes, 1, "one veil for one view");
     let keys = run.keys();
+    let field_loss = Effects {
+        field_loss: true,
+        ..plain
+    };
+    let media = Effects {
+        media: true,
+        ..plain
+    };
     for pass in [Pass::UpdateField, Pass::ReadBlur, Pass::Present] {
-        assert!(keys.contains(&(pass, true)), "{pass:?} in {keys:?}");
+        assert!(keys.contains(&(pass, field_loss)), "{pass:?} in {keys:?}");
     }
-    // Passes that do not know the disease have one form.
-    assert!(!keys.contains(&(Pass::FastStrength, true)), "{keys:?}");
+    assert!(keys.contains(&(Pass::Present, media)), "{keys:?}");
+    // Passes that do not know an effect have one form.
+    assert!(
+        !keys.contains(&(Pass::FastStrength, field_loss)),
+        "{keys:?}"
+    );
+    assert!(!keys.contains(&(Pass::UpdateField, media)), "{keys:?}");
 }
 
 #[test]

@@ -15,4 +15,5 @@ mod rooms;
 mod shader_twins;
 mod shaders;
 mod stage;
+mod veil;
 mod view_textures;

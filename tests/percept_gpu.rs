@@ -261,7 +261,11 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
     run.headless.command(SessionCommand::Scene(Arc::new(scene)));
     settle(&mut run.headless);
     let glaucoma = patient("glaucoma-moderate");
-    let (eye, age_years, stage) = (glaucoma.eye, glaucoma.age_years, glaucoma.glaucoma);
+    let (eye, age_years, stage) = (
+        glaucoma.eye,
+        glaucoma.age_years,
+        glaucoma.glaucoma.map(|own| own.stage),
+    );
     assert_eq!(eye, Laterality::OD);
     let healthy = PatientFile {
         glaucoma: None,

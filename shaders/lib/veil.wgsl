@@ -6,15 +6,19 @@ fn solid_angle_share(tangents: vec2<f32>) -> f32 {
     return c * sqrt(c);
 }
 
-// A cubic B-spline at the share `f` (0 to 1) of the way from one texel to the next, as two bilinear
-// taps: xy their weights, zw their places from the first of the two texels.
-fn spline_taps(f: f32) -> vec4<f32> {
-    let g = 1.0 - f;
-    let before = g * g * g / 6.0;
-    let after = f * f * f / 6.0;
-    let here = (4.0 - 3.0 * f * f * (2.0 - f)) / 6.0;
-    let next = 1.0 - before - after - here;
-    let first = before + here;
-    let second = next + after;
-    return vec4<f32>(first, second, here / first - 1.0, 1.0 + after / second);
+// A cubic B-spline twice as wide as a texel's: its weight for a texel at this distance, in texels. Those
+// of all texels sum to 1.
+fn wide_spline(distance: f32) -> f32 {
+    let t = 0.5 * abs(distance);
+    let near = (4.0 - 3.0 * t * t * (2.0 - t)) / 12.0;
+    let far = max(2.0 - t, 0.0);
+    return select(far * far * far / 12.0, near, t < 1.0);
+}
+
+// Two neighbouring texels as one bilinear tap, the first at this signed distance: x their weight, y how
+// far the tap lies from the first towards the second.
+fn wide_spline_pair(first: f32) -> vec2<f32> {
+    let a = wide_spline(first);
+    let b = wide_spline(first + 1.0);
+    return vec2<f32>(a + b, b / max(a + b, 1e-20));
 }

@@ -1,4 +1,4 @@
-// The veil that clouded media lay over a view: once a view, from its mips, at a quarter of its size.
+// The veil that clouded media lay over a view: once a view, from its mips, at half of its size.
 
 @group(0) @binding(1) var view_colour: texture_2d<f32>;
 @group(0) @binding(2) var view_sampler: sampler;
@@ -11,18 +11,36 @@ fn weighted(uv: vec2<f32>, level: u32) -> vec3<f32> {
     return solid_angle_share(tangents) * textureSampleLevel(view_colour, view_sampler, uv, f32(level)).rgb;
 }
 
+// What lies around the picture, as far as its border says.
+fn border() -> vec3<f32> {
+    let level = f32(max(media.last_level, 3u) - 2u);
+    var sum = vec3<f32>(0.0);
+    for (var k = 0; k < 9; k++) {
+        if k != 4 {
+            let uv = 0.5 * vec2<f32>(f32(k % 3), f32(k / 3));
+            sum += textureSampleLevel(view_colour, view_sampler, uv, level).rgb;
+        }
+    }
+    return sum / 8.0;
+}
+
+// The light about a place, under a spline eight texels of a level wide: 16 taps of two by two.
 fn spread_level(uv: vec2<f32>, level: u32) -> vec3<f32> {
     let texels = vec2<f32>(max(percept.size >> vec2<u32>(level), vec2<u32>(1u)));
     let at = uv * texels - 0.5;
-    let base = floor(at);
-    let x = spline_taps(at.x - base.x);
-    let y = spline_taps(at.y - base.y);
-    let left = (base.x + 0.5 + x.z) / texels.x;
-    let right = (base.x + 0.5 + x.w) / texels.x;
-    let top = (base.y + 0.5 + y.z) / texels.y;
-    let bottom = (base.y + 0.5 + y.w) / texels.y;
-    return y.x * (x.x * weighted(vec2<f32>(left, top), level) + x.y * weighted(vec2<f32>(right, top), level))
-        + y.y * (x.x * weighted(vec2<f32>(left, bottom), level) + x.y * weighted(vec2<f32>(right, bottom), level));
+    let base = floor(at) - 3.0;
+    var sum = vec3<f32>(0.0);
+    for (var j = 0; j < 4; j++) {
+        let row = base.y + 2.0 * f32(j);
+        let y = wide_spline_pair(row - at.y);
+        for (var i = 0; i < 4; i++) {
+            let column = base.x + 2.0 * f32(i);
+            let x = wide_spline_pair(column - at.x);
+            let place = (vec2<f32>(column + x.y, row + y.y) + 0.5) / texels;
+            sum += x.x * y.x * weighted(place, level);
+        }
+    }
+    return sum;
 }
 
 @compute @workgroup_size(8, 8)
@@ -32,8 +50,7 @@ fn spread_veil(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let uv = (vec2<f32>(id.xy) + 0.5) / vec2<f32>(size);
-    // The last level of the mips is the picture's mean.
-    var veil = media.rest * textureSampleLevel(view_colour, view_sampler, vec2<f32>(0.5), 31.0).rgb;
+    var veil = media.rest * border();
     for (var level = media.first_level; level <= media.last_level; level++) {
         veil += media.weights[level / 4u][level % 4u] * spread_level(uv, level);
     }

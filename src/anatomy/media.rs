@@ -86,8 +86,8 @@ impl OcularMedia {
 
     /// What a clouded nucleus sends back beyond that: light that has passed half of it twice.
     pub fn nucleus_color(&self) -> Vec3 {
-        // Small particles: blue is scattered most, and absorbed most.
-        let scattered = Vec3::new(0.75, 1.0, 1.6) * self.nuclear_backscatter as f32;
+        // Particles about as large as a wavelength scatter by about its inverse; blue is absorbed most.
+        let scattered = Vec3::new(0.91, 1.0, 1.21) * self.nuclear_backscatter as f32;
         scattered * self.transmittance()
     }
 }

@@ -42,7 +42,7 @@
 
 mod veil;
 
-pub use veil::{VEIL_LEVELS, VEIL_SIGMA_TEXELS, Veil};
+pub use veil::{VEIL_LEVELS, Veil, cubic_spline};
 
 use super::fresnel::clamp_or;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};

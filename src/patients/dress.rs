@@ -106,15 +106,21 @@ impl PatientFile {
         let held_mm = person
             .get::<PupilControl>()
             .and_then(|control| control.held_mm);
-        let memory = self.memory(person.get::<SharpnessField>());
-        person.insert((
-            self.person(),
-            memory,
+        let (patient, skin) = self.person();
+        put(person, patient);
+        put(person, skin);
+        put(
+            person,
             PupilControl {
                 fixed_mm: self.pupil.diameter_mm(),
                 held_mm,
             },
-        ));
+        );
+        let now = person.get::<SharpnessField>();
+        let memory = self.memory(now);
+        if now.is_none_or(|now| !now.fades_like(&memory)) {
+            person.insert(memory);
+        }
         let owner = person.id();
         let there = person
             .get::<Eyes>()
@@ -135,10 +141,24 @@ impl PatientFile {
                         Accommodation::default(),
                     )),
                 };
-                eye.insert(self.eye_components(laterality));
+                let (globe, cornea, iris, lens, refraction, sclera) =
+                    self.eye_components(laterality);
+                put(&mut eye, globe);
+                put(&mut eye, cornea);
+                put(&mut eye, iris);
+                put(&mut eye, lens);
+                put(&mut eye, refraction);
+                put(&mut eye, sclera);
                 self.of_eye(laterality).put_conditions(&mut eye);
             }
         });
+    }
+}
+
+/// Gives an entity a component, which is news only where it differs from the one that is there.
+fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
+    if entity.get::<C>() != Some(&component) {
+        entity.insert(component);
     }
 }
 

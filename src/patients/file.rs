@@ -174,9 +174,14 @@ macro_rules! patient_file {
             /// Gives an eye the conditions of a file whose eyes are alike, and takes the others from it.
             pub(super) fn put_conditions(&self, eye: &mut EntityWorldMut) {
                 $(match &self.$condition {
-                    Some(condition) => eye.insert(condition.clone()),
-                    None => eye.remove::<$condition_type>(),
-                };)+
+                    Some(condition) if eye.get::<$condition_type>() != Some(condition) => {
+                        eye.insert(condition.clone());
+                    }
+                    Some(_) => {}
+                    None => {
+                        eye.remove::<$condition_type>();
+                    }
+                })+
             }
 
             /// Takes the conditions of an eye into a file.

@@ -168,7 +168,7 @@ pub struct MediaUniform {
     pub transmittance: [f32; 3],
     /// Share of the light that is scattered.
     pub scattered: f32,
-    /// Weight of the picture's mean in the veil.
+    /// Weight of what lies around the picture in the veil.
     pub rest: f32,
     /// First and last mip level of the veil.
     pub first_level: u32,
@@ -181,7 +181,7 @@ pub struct MediaUniform {
 const _: () = assert!(size_of::<MediaUniform>() == 96);
 
 /// View pixels along a side of a pixel of the veil.
-pub const VEIL_SCALE: u32 = 4;
+pub const VEIL_SCALE: u32 = 2;
 
 /// View pixels a radian at the middle of a view of `width_px` pixels whose half field has the
 /// tangent `tan_half_fov`.

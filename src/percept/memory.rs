@@ -52,6 +52,12 @@ impl SharpnessField {
         }
     }
 
+    /// Does it fade, and is it divided, like this one?
+    pub fn fades_like(&self, other: &Self) -> bool {
+        (self.starve_rate_per_s, self.voxel_m, self.blur_cap_rad)
+            == (other.starve_rate_per_s, other.voxel_m, other.blur_cap_rad)
+    }
+
     /// Forgets everything and begins at time 0.
     pub fn restart(&mut self) {
         *self = Self::new(self.starve_rate_per_s, self.voxel_m, self.blur_cap_rad);

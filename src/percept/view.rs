@@ -36,9 +36,8 @@ const LARGEST_TEXTURE: u32 = 8192;
 const SEEING_APERTURE: f64 = 0.25;
 /// Frames without a pipeline under way after which what is drawn is whole.
 const QUIET_FRAMES: usize = 3;
-/// First mip level that is part of a veil: what is scattered by less is no veil yet, and a pixel of the
-/// veil is four of the view wide.
-const FIRST_VEIL_LEVEL: u32 = 3;
+/// First mip level that is part of a veil: what is scattered by less is no veil yet.
+const FIRST_VEIL_LEVEL: u32 = 1;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -124,6 +123,8 @@ pub struct Percept {
     /// Where the eye was when the memory began: the origin of its voxels, m.
     origin: Vec3,
     field: Option<FieldMap>,
+    /// What clouded media do to the light, and of which media in a view of what size that is.
+    media: Option<(OcularMedia, [u32; 2], f32, MediaUniform)>,
     shown: Option<(PerceptUniform, Option<MediaUniform>)>,
     captured: CaptureResult,
     captured_half: Vec2,
@@ -147,6 +148,7 @@ impl Default for Percept {
             sight: Sight::default(),
             origin: Vec3::ZERO,
             field: None,
+            media: None,
             shown: None,
             captured: CaptureResult::default(),
             captured_half: Vec2::ONE,
@@ -198,6 +200,21 @@ impl Percept {
         self.is_unread = false;
         self.waited = 0;
         self.captured_half = self.sight.half;
+    }
+
+    /// [`media_uniform`], worked out where something has changed.
+    fn media_uniform(&mut self, media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform {
+        let scale = uniform.pixels_per_radian;
+        match &self.media {
+            Some((of, size, at, known)) if (of, *size, *at) == (media, uniform.size, scale) => {
+                *known
+            }
+            _ => {
+                let found = media_uniform(media, uniform);
+                self.media = Some((*media, uniform.size, scale, found));
+                found
+            }
+        }
     }
 
     /// Has the capture that was asked for last been recorded?
@@ -592,7 +609,7 @@ fn frame_of(
     let seeing = lids.aperture > SEEING_APERTURE && (!controller.state().in_saccade || first);
     let media = media
         .filter(|media| !media.is_clear())
-        .map(|media| media_uniform(media, &uniform));
+        .map(|media| percept.media_uniform(media, &uniform));
     let changed = percept.shown != Some((uniform, media)) || capture.is_some();
     let frame = PerceptFrame {
         visible,
@@ -663,10 +680,12 @@ fn place_marker(uniform: &mut PerceptUniform, gaze: &Gaze, size: UVec2) {
 /// What clouded media do to the light of a view with these numbers.
 fn media_uniform(media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform {
     let veil = Veil::new(media.straylight, media.pigment);
-    let last = mip_levels(uniform.size[0], uniform.size[1]) - 1;
+    // The last is one texel, which says no more than the one before.
+    let last = mip_levels(uniform.size[0], uniform.size[1]).saturating_sub(2);
     let first = FIRST_VEIL_LEVEL.min(last);
     let (weights, rest) = veil.weights(
         uniform.pixels_per_radian.into(),
+        uniform.size,
         first as usize,
         last as usize,
     );

@@ -1,5 +1,6 @@
 //! The controls.
 
+mod anatomy;
 mod chosen;
 
 use super::pictures::bars;
@@ -27,6 +28,7 @@ pub fn head(ui: &mut Ui, state: &mut UiState) {
 /// Draws every control.
 pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: &mut OwnScene) {
     chosen::patient(ui, state, controlled);
+    anatomy::anatomy(ui, state, controlled);
     chosen::scene(ui, state, controlled);
     chosen::placement(ui, state, controlled, own);
     chosen::files(ui, state, controlled);

@@ -3,7 +3,7 @@
 
 use super::{between, pass, unit};
 use crate::gpu::Twin;
-use ocularium::percept::{fast, gather, sharpness_field as field};
+use ocularium::percept::{fast, gather, sharpness_field as field, veil};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -453,6 +453,33 @@ fn eyelid_view() {
         exact: &|x| vec![gather::eyelid_transmission(x[0], x[1])],
         // Slopes of smoothstep: 1.5 over 0.4 and over 0.1 times roundings of 1.
         absolute: 3e-6,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+}
+
+#[test]
+fn veils() {
+    pass(&Twin {
+        name: "wide_spline_pair",
+        library: &["veil"],
+        call: "let t = wide_spline_pair(x[0]); y[0] = t.x; y[1] = t.y; y[2] = wide_spline(x[0]); \
+               y[3] = solid_angle_share(vec2f(x[1], x[2]));",
+        draw: &|rng| {
+            vec![
+                // Where both have no weight there is no place between them.
+                between(rng, -3.9, 2.9),
+                between(rng, -2.0, 2.0),
+                between(rng, -2.0, 2.0),
+            ]
+        },
+        exact: &|x| {
+            let taps = veil::wide_spline_pair(x[0]);
+            let share = veil::solid_angle_share(glam::DVec2::new(x[1], x[2]));
+            vec![taps.x, taps.y, veil::wide_spline(x[0]), share]
+        },
+        // A few roundings of numbers up to 1; a place is their quotient, of 1e-4 and more.
+        absolute: 5e-5,
         relative: 0.0,
         steep_share: 0.0,
     });

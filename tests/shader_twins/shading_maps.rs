@@ -333,7 +333,7 @@ fn the_light_of_the_iris() {
 fn what_shows_through_the_pupil() {
     let call = format!(
         "{IRIS} let e = LidShade(x[8], x[9], x[10], x[11]); let s = Studio({}); \
-         let c = pupil_radiance(s, x[36], e); {RGB_OUT} \
+         let c = pupil_radiance(s, x[36] * vec3f(0.012, 0.010, 0.006), e); {RGB_OUT} \
          y[3] = pupil_edge(p, x[37], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[12], x[13], x[14]), y[3], p.y); \
          y[4] = m.x; y[5] = m.y; y[6] = m.z; let g = iris_edges(m, p.y); y[7] = g.x; y[8] = g.y; y[9] = g.z; \
          y[10] = iris_openness(p.x); y[11] = iris_path(x[36], -x[37], x[9]);",
@@ -357,8 +357,11 @@ fn what_shows_through_the_pupil() {
             },
             exact: &|x| {
                 let (place, iris) = (v2(&x[6..]), iris_of(x));
-                let pupil =
-                    iris_shade::pupil_radiance(&studio_of(&x[12..]), x[36], &shade_of(&x[8..]));
+                let pupil = iris_shade::pupil_radiance(
+                    &studio_of(&x[12..]),
+                    x[36] * DVec3::new(0.012, 0.010, 0.006),
+                    &shade_of(&x[8..]),
+                );
                 let edge = iris_shade::pupil_edge(place, x[37], iris.width());
                 let both = iris_shade::iris_and_pupil(pupil, v3(&x[12..]), edge, place.y);
                 let edges = iris_shade::iris_edges(both, place.y);

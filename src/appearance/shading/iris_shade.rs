@@ -95,10 +95,10 @@ pub fn iris_radiance(
     iris_edges(DVec3::new(r, g, b) * light, place.uv.y)
 }
 
-/// What shows through the pupil: nearly black; an old lens scatters a little.
-pub fn pupil_radiance(studio: &Studio, lens_scatter: f64, shade: &LidShade) -> DVec3 {
+/// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' light.
+pub fn pupil_radiance(studio: &Studio, lens: DVec3, shade: &LidShade) -> DVec3 {
     let light = (xyz(studio.key_color) + xyz(studio.fill_color)) * shade.key;
-    DVec3::new(0.0016, 0.0013, 0.0012) + light * lens_scatter * DVec3::new(0.012, 0.010, 0.006)
+    DVec3::new(0.0016, 0.0013, 0.0012) + light * lens
 }
 
 /// Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven

@@ -1,6 +1,7 @@
 use super::*;
 use crate::anatomy::{IrisColor, Laterality};
-use crate::conditions::GlaucomaStage;
+use crate::conditions::{Cataract, Glaucoma, GlaucomaStage};
+use crate::patients::EyeFile;
 use crate::patients::PupilSetting;
 use proptest::prelude::*;
 
@@ -22,7 +23,12 @@ fn an_empty_link_is_the_usual_state_and_old_links_still_work() {
     assert_eq!(LinkState::default().patient.name, "Healthy, brown");
     // The first notation had these three keys and no version.
     let old = read("#patient=glaucoma-moderate&scene=chart&seed=7");
-    assert_eq!(old.patient.glaucoma, Some(GlaucomaStage::Moderate));
+    assert_eq!(
+        old.patient.glaucoma,
+        Some(Glaucoma {
+            stage: GlaucomaStage::Moderate
+        })
+    );
     assert_eq!((old.scene, old.seed), (BuiltIn::Chart, 7));
 }
 
@@ -142,7 +148,12 @@ fn patients() -> impl Strategy<Value = PatientFile> {
                 stroma_melanin_fraction: numbers.2,
                 iris_color: choices.0,
                 pupil: choices.1,
-                glaucoma: choices.2,
+                glaucoma: choices.2.map(|stage| Glaucoma { stage }),
+                cataract: numbers.2.map(|share| Cataract::nuclear(10.0 * share)),
+                left: EyeFile {
+                    sphere_d: numbers.2.map(|share| -20.0 * share),
+                    ..EyeFile::default()
+                },
                 pupil_decentration_mm: choices.3,
                 ..load_patient(PRESETS[preset].name).expect("a preset")
             },

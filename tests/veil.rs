@@ -1,0 +1,168 @@
+//! The veil of clouded media, as it is drawn, against the glare function that it stands for.
+
+use crate::stage::alone;
+use bevy::app::App;
+use bevy::camera::{Exposure, Hdr, RenderTarget};
+use bevy::math::{DVec3, UVec2};
+use bevy::prelude::*;
+use image::RgbaImage;
+use ocularium::OculariumPlugins;
+use ocularium::frame::panel::target_image;
+use ocularium::lab::headless::{Headless, plugins};
+use ocularium::optics::glare::Veil;
+use ocularium::optics::output::output_transform;
+use ocularium::prelude::*;
+
+const SIDE: u32 = 640;
+/// Tangent of half the field: 31°.
+const TAN_HALF: f32 = 0.6;
+/// Luminance of the source in the unit of the picture, and half of its side in tangents: it covers two by
+/// two pixels, so that its own width does not blur the function at 1°.
+const LUMINANCE: f32 = 60_000.0;
+const HALF_SIDE: f32 = 2.0 * TAN_HALF / SIDE as f32;
+
+/// A bright square in the middle of darkness, at 10 m, and somebody who looks there.
+fn dark_world() -> (Headless, Entity, Handle<Image>) {
+    let mut app = App::new();
+    app.add_plugins((plugins(), OculariumPlugins))
+        .insert_resource(ClearColor(Color::BLACK));
+    let world = app.world_mut();
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Rectangle::from_length(20.0 * HALF_SIDE));
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(StandardMaterial {
+            base_color: Color::linear_rgb(LUMINANCE, LUMINANCE, LUMINANCE),
+            unlit: true,
+            ..default()
+        });
+    world.spawn((
+        Mesh3d(mesh),
+        MeshMaterial3d(material),
+        Transform::from_xyz(0.0, 0.0, -10.0),
+    ));
+    let ann = world.spawn(Patient::preset("healthy-brown")).id();
+    let image = world
+        .resource_mut::<Assets<Image>>()
+        .add(target_image(UVec2::splat(SIDE)));
+    let camera = world
+        .spawn((
+            Camera3d::default(),
+            Hdr,
+            RenderTarget::Image(image.clone().into()),
+            Panel {
+                visible: true,
+                size: UVec2::splat(SIDE),
+                image: image.clone(),
+            },
+            Projection::Perspective(PerspectiveProjection {
+                fov: 2.0 * TAN_HALF.atan(),
+                near: 0.05,
+                ..default()
+            }),
+            Exposure::default(),
+            SeesAs(ann),
+        ))
+        .id();
+    let headless = Headless::of(app).unwrap_or_else(|error| panic!("{error}"));
+    (headless, camera, image)
+}
+
+/// Luminance under an exposure that has this code, 0 to 255.
+fn luminance_of(code: u8, exposure: f64) -> f64 {
+    let wanted = f64::from(code) / 255.0;
+    let encoded = |luminance: f64| output_transform(DVec3::splat(luminance), exposure).x;
+    let (mut low, mut high) = (0.0, 1e6);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        // The target encodes what the transform leaves.
+        let linear = encoded(middle);
+        let code = if linear <= 0.003_130_8 {
+            12.92 * linear
+        } else {
+            1.055 * linear.powf(1.0 / 2.4) - 0.055
+        };
+        if code < wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Mean over the circle, and lowest and highest, of the luminance at this angle from the middle.
+fn luminance_at(picture: &RgbaImage, angle_deg: f64, exposure: f64) -> [f64; 3] {
+    let pixels = angle_deg.to_radians().tan() / f64::from(TAN_HALF) * 0.5 * f64::from(SIDE);
+    let middle = 0.5 * f64::from(SIDE);
+    let around: Vec<f64> = (0..32)
+        .map(|part| {
+            let (sine, cosine) = (f64::from(part) * std::f64::consts::TAU / 32.0).sin_cos();
+            // Between pixels a straight line: the veil is smooth.
+            let (x, y) = (middle + cosine * pixels - 0.5, middle + sine * pixels - 0.5);
+            let at = |dx: f64, dy: f64| {
+                let place = [x + dx, y + dy].map(|side| (side.max(0.0) as u32).min(SIDE - 1));
+                let code = picture.get_pixel(place[0], place[1]).0[1];
+                luminance_of(code, exposure)
+            };
+            let (fx, fy) = (x.fract(), y.fract());
+            (at(0.0, 0.0) * (1.0 - fx) + at(1.0, 0.0) * fx) * (1.0 - fy)
+                + (at(0.0, 1.0) * (1.0 - fx) + at(1.0, 1.0) * fx) * fy
+        })
+        .collect();
+    let low = around.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = around.iter().copied().fold(0.0, f64::max);
+    [around.iter().sum::<f64>() / 32.0, low, high]
+}
+
+#[test]
+fn the_veil_of_a_light_is_the_glare_function() {
+    let _alone = alone();
+    let (mut headless, camera, image) = dark_world();
+    let world = headless.world();
+    let eyes: Vec<Entity> = world
+        .query_filtered::<Entity, With<Eye>>()
+        .iter(world)
+        .collect();
+    for eye in eyes {
+        world.entity_mut(eye).insert(Cataract::cortical(3.0));
+    }
+    // Another supersampling is another picture, which takes some frames.
+    let options = |exposure: f32| ViewOptions {
+        exposure,
+        supersampling: 1,
+        ..default()
+    };
+    let show = |headless: &mut Headless, exposure: f32, frames: usize| {
+        headless
+            .world()
+            .entity_mut(camera)
+            .insert(options(exposure));
+        for _ in 0..frames {
+            headless.stand_still();
+            headless.finish_frame();
+        }
+    };
+    show(&mut headless, 1.0, 12);
+    let before = headless.work().veil_passes;
+    let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
+    // Light on the pupil: luminance times solid angle.
+    let source = f64::from(LUMINANCE) * f64::from(2.0 * HALF_SIDE).powi(2);
+    for angle_deg in [1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 28.0_f64] {
+        let wanted = source * veil.spread(angle_deg.to_radians());
+        // So that the veil there is a middle grey.
+        let exposure = 0.25 / wanted;
+        show(&mut headless, exposure as f32, 2);
+        let picture = headless.picture(&image).expect("a picture");
+        let [found, low, high] =
+            luminance_at(&picture, angle_deg, exposure).map(|luminance| luminance / wanted);
+        println!(
+            "{angle_deg}°: {found:.3} of the function, {low:.3} to {high:.3} about the circle"
+        );
+        // The fit is within 3 %; where among the texels a light lies, and a code, make the rest.
+        assert!((found - 1.0).abs() < 0.05, "{angle_deg}°: {found}");
+        assert!(low > 0.85 && high < 1.15, "{angle_deg}°: {low} to {high}");
+    }
+    assert_eq!(headless.work().veil_passes, before, "one veil for one view");
+}
