@@ -143,3 +143,41 @@ fn the_library_without_features_is_mathematics() {
     }
     assert!(has(&plugins, "bevy_pbr"), "the tree was not read");
 }
+
+/// The README's table of a patient file is that of the program.
+#[test]
+fn the_readme_knows_every_field_of_a_patient_file() {
+    use ocularium::patients::{CONDITIONS, FIELDS, PRESETS};
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let readme = fs::read_to_string(readme).expect("the README");
+    let row = |name: &str| {
+        readme
+            .lines()
+            .find(|line| line.starts_with(&format!("| `{name}`")))
+            .unwrap_or_else(|| panic!("no row of {name}"))
+    };
+    let shown = |value: f64| format!("{value}").replace('-', "−");
+    for field in FIELDS {
+        let (low, high) = field.range;
+        let range = format!("{} to {}", shown(low), shown(high));
+        assert!(row(field.name).contains(&range), "{}: {range}", field.name);
+        if !field.unit.is_empty() {
+            assert!(
+                row(field.name).contains(field.unit),
+                "{}: {}",
+                field.name,
+                field.unit
+            );
+        }
+    }
+    for (name, _) in CONDITIONS {
+        row(name);
+    }
+    for preset in PRESETS {
+        assert!(
+            readme.contains(&format!("`{}`", preset.name)),
+            "{}",
+            preset.name
+        );
+    }
+}

@@ -280,7 +280,7 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
         look(&mut run.headless, 0.0, 0.0, 3.0);
         run.headless.go_to(0.01);
         run.headless.go_to(1.0);
-        let ahead = engine(&mut run.headless).state();
+        let ahead = engine(&run.headless).state();
         assert!(ahead.gaze_azimuth_rad.hypot(ahead.gaze_elevation_rad) < 1e-9);
         run.view()
     });

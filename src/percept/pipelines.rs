@@ -370,7 +370,8 @@ fn queue(cache: &PipelineCache, (pass, effects, format): Key) -> Queued {
     let shader_defs: Vec<ShaderDefVal> =
         [(effects.field_loss, "FIELD_LOSS"), (effects.media, "MEDIA")]
             .into_iter()
-            .filter_map(|(has, name)| has.then(|| name.into()))
+            .filter(|(has, _)| *has)
+            .map(|(_, name)| name.into())
             .collect();
     let label = Some(Cow::Borrowed(pass.entry_point()));
     let entry_point = Some(Cow::Borrowed(pass.entry_point()));

@@ -90,6 +90,10 @@ type Drawn<'a> = (
 );
 
 /// Notices what has changed since the last frame.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads and makes"
+)]
 pub(super) fn notice(
     mut changes: ResMut<SceneChanges>,
     altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,

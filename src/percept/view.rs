@@ -486,6 +486,16 @@ type SeeingEye<'a> = (
 /// What of a person decides what her eyes see.
 type Seer<'a> = (&'a Eyelids, &'a SharpnessField, &'a GazeController);
 
+/// The parts of a camera that its frame is made from.
+type Framing<'a> = (
+    &'a SeesAs,
+    &'a Worn,
+    Option<&'a Panel>,
+    &'a ViewOptions,
+    &'a mut Percept,
+    &'a mut PerceptFrame,
+);
+
 /// The frame of every view: what the passes are to do, if anything.
 pub(super) fn perceive(
     clock: Res<SimulationClock>,
@@ -493,14 +503,7 @@ pub(super) fn perceive(
     finder: EyeFinder,
     eyes: Query<SeeingEye>,
     people: Query<Seer>,
-    mut views: Query<(
-        &SeesAs,
-        &Worn,
-        Option<&Panel>,
-        &ViewOptions,
-        &mut Percept,
-        &mut PerceptFrame,
-    )>,
+    mut views: Query<Framing>,
 ) {
     let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
     for (sees, worn, panel, options, mut percept, mut frame) in &mut views {

@@ -226,6 +226,10 @@ fn set(world: &mut World, session: &Session, sizes: [UVec2; 2], shown: [bool; 2]
 type Living<'a> = (&'a mut GazeController, &'a mut SharpnessField);
 
 /// Carries out the commands of this frame.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads and makes"
+)]
 fn carry_out(
     mut asked: MessageReader<SessionCommand>,
     mut restarted: MessageWriter<Restarted>,

@@ -122,12 +122,11 @@ pub(super) fn keep_promises(
     mut motion_commands: MessageWriter<MotionCommand>,
     mut has_begun: Local<bool>,
 ) {
-    if restarted.read().count() > 0 || !std::mem::replace(&mut *has_begun, true) {
-        if state.gaze != GazeMode::Auto {
-            // Who follows the pointer stays where it was until it moves.
-            state.followed = None;
-            motion_commands.write(MotionCommand::Gaze(state.gaze_command()));
-        }
+    let begins = restarted.read().count() > 0 || !std::mem::replace(&mut *has_begun, true);
+    if begins && state.gaze != GazeMode::Auto {
+        // Who follows the pointer stays where it was until it moves.
+        state.followed = None;
+        motion_commands.write(MotionCommand::Gaze(state.gaze_command()));
     }
     if clock.ready
         && let Some(time_s) = still.0.take()
