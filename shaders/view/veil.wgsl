@@ -5,10 +5,12 @@
 @group(0) @binding(3) var<uniform> media: MediaUniform;
 @group(0) @binding(4) var veil_out: texture_storage_2d<rgba16float, write>;
 
-// Light at a place of a level, in shares of the view, by the solid angle that it has there.
-fn weighted(uv: vec2<f32>, level: u32) -> vec3<f32> {
-    let tangents = (2.0 * uv - 1.0) * vec2<f32>(percept.right.w, percept.up.w);
-    return solid_angle_share(tangents) * textureSampleLevel(view_colour, view_sampler, uv, f32(level)).rgb;
+// Two texels along an axis of this many, from `first` on, as a tap for a place at `at`; `tan_half` is the
+// tangent of half the field. See `wide_spline_pair`.
+fn pair_along(first: f32, at: f32, texels: f32, tan_half: f32) -> vec2<f32> {
+    let tangents = (2.0 * (vec2<f32>(first, first + 1.0) + 0.5) / texels - 1.0) * tan_half;
+    let shares = vec2<f32>(solid_angle_share(tangents.x), solid_angle_share(tangents.y));
+    return wide_spline_pair(first - at, shares);
 }
 
 // What lies around the picture, as far as its border says.
@@ -32,12 +34,12 @@ fn spread_level(uv: vec2<f32>, level: u32) -> vec3<f32> {
     var sum = vec3<f32>(0.0);
     for (var j = 0; j < 4; j++) {
         let row = base.y + 2.0 * f32(j);
-        let y = wide_spline_pair(row - at.y);
+        let y = pair_along(row, at.y, texels.y, percept.up.w);
         for (var i = 0; i < 4; i++) {
             let column = base.x + 2.0 * f32(i);
-            let x = wide_spline_pair(column - at.x);
+            let x = pair_along(column, at.x, texels.x, percept.right.w);
             let place = (vec2<f32>(column + x.y, row + y.y) + 0.5) / texels;
-            sum += x.x * y.x * weighted(place, level);
+            sum += x.x * y.x * textureSampleLevel(view_colour, view_sampler, place, f32(level)).rgb;
         }
     }
     return sum;

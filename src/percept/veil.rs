@@ -3,9 +3,10 @@
 use crate::optics::glare::cubic_spline;
 use glam::DVec2;
 
-/// Share of its solid angle that a pixel at these tangents from the middle of a view keeps, cos³ θ.
-pub fn solid_angle_share(tangents: DVec2) -> f64 {
-    let c = 1.0 / (1.0 + tangents.length_squared());
+/// Share of its solid angle that a pixel at this tangent from the middle of a view keeps along one axis,
+/// cos³ θ. The product of both is (1 + x² + y²)^−1.5 but for x² y² in the bracket.
+pub fn solid_angle_share(tangent: f64) -> f64 {
+    let c = 1.0 / (1.0 + tangent * tangent);
     c * c.sqrt()
 }
 
@@ -15,10 +16,13 @@ pub fn wide_spline(distance: f64) -> f64 {
     0.5 * cubic_spline(0.5 * distance)
 }
 
-/// Two neighbouring texels as one bilinear tap, the first at this signed distance: x their weight, y how
-/// far the tap lies from the first towards the second.
-pub fn wide_spline_pair(first: f64) -> DVec2 {
-    let (a, b) = (wide_spline(first), wide_spline(first + 1.0));
+/// Two neighbouring texels as one bilinear tap, the first at this signed distance, each of which counts by
+/// its share: x their weight, y how far the tap lies from the first towards the second.
+pub fn wide_spline_pair(first: f64, shares: DVec2) -> DVec2 {
+    let (a, b) = (
+        wide_spline(first) * shares.x,
+        wide_spline(first + 1.0) * shares.y,
+    );
     DVec2::new(a + b, b / (a + b).max(1e-20))
 }
 
@@ -35,13 +39,13 @@ mod tests {
                 .sum();
             assert!((sum - 1.0).abs() < 1e-14, "{f}: {sum}");
             let pairs: f64 = (0..4)
-                .map(|j| wide_spline_pair(f64::from(2 * j - 3) - f).x)
+                .map(|j| wide_spline_pair(f64::from(2 * j - 3) - f, DVec2::ONE).x)
                 .sum();
             assert!((pairs - 1.0).abs() < 1e-14, "{f}: {pairs}");
         }
         assert_eq!(wide_spline(4.0), 0.0);
-        assert_eq!(solid_angle_share(DVec2::ZERO), 1.0);
+        assert_eq!(solid_angle_share(0.0), 1.0);
         // 60°: cos³ = 1/8.
-        assert!((solid_angle_share(DVec2::new(3f64.sqrt(), 0.0)) - 0.125).abs() < 1e-15);
+        assert!((solid_angle_share(3f64.sqrt()) - 0.125).abs() < 1e-15);
     }
 }

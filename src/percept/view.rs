@@ -468,6 +468,8 @@ fn picture_image(size: UVec2) -> Image {
     let mut image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba16Float, None);
     image.asset_usage = bevy::asset::RenderAssetUsages::RENDER_WORLD;
     image.data = None;
+    // Its first picture has nothing to be copied from.
+    image.copy_on_resize = false;
     image
 }
 

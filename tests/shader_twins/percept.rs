@@ -463,8 +463,8 @@ fn veils() {
     pass(&Twin {
         name: "wide_spline_pair",
         library: &["veil"],
-        call: "let t = wide_spline_pair(x[0]); y[0] = t.x; y[1] = t.y; y[2] = wide_spline(x[0]); \
-               y[3] = solid_angle_share(vec2f(x[1], x[2]));",
+        call: "let t = wide_spline_pair(x[0], vec2f(solid_angle_share(x[1]), solid_angle_share(x[2]))); y[0] = t.x; y[1] = t.y; y[2] = wide_spline(x[0]); \
+               y[3] = solid_angle_share(x[1]);",
         draw: &|rng| {
             vec![
                 // Where both have no weight there is no place between them.
@@ -474,9 +474,9 @@ fn veils() {
             ]
         },
         exact: &|x| {
-            let taps = veil::wide_spline_pair(x[0]);
-            let share = veil::solid_angle_share(glam::DVec2::new(x[1], x[2]));
-            vec![taps.x, taps.y, veil::wide_spline(x[0]), share]
+            let shares = [x[1], x[2]].map(veil::solid_angle_share);
+            let taps = veil::wide_spline_pair(x[0], shares.into());
+            vec![taps.x, taps.y, veil::wide_spline(x[0]), shares[0]]
         },
         // A few roundings of numbers up to 1; a place is their quotient, of 1e-4 and more.
         absolute: 5e-5,

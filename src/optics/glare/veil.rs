@@ -79,13 +79,13 @@ fn read_along(texels: &[f64], side: usize, tan_half: f64) -> Vec<f64> {
             (0..4)
                 .map(|j| {
                     let first = base + 2.0 * f64::from(j);
-                    let weight = |texel: f64| 0.5 * cubic_spline(0.5 * (texel - at));
-                    let (a, b) = (weight(first), weight(first + 1.0));
-                    // Both texels count with the solid angle of the tap between them.
-                    let place = (first + b / (a + b).max(1e-20) + 0.5) / count;
-                    let tangent = (2.0 * place - 1.0) * tan_half;
-                    let share = (1.0 + tangent * tangent).powf(-1.5);
-                    share * (a * read(first) + b * read(first + 1.0))
+                    // Each texel counts with the solid angle that it has.
+                    let seen = |texel: f64| {
+                        let tangent = (2.0 * (texel + 0.5) / count - 1.0) * tan_half;
+                        let share = (1.0 + tangent * tangent).powf(-1.5);
+                        share * 0.5 * cubic_spline(0.5 * (texel - at)) * read(texel)
+                    };
+                    seen(first) + seen(first + 1.0)
                 })
                 .sum()
         })
