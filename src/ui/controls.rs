@@ -28,13 +28,14 @@ pub fn head(ui: &mut Ui, state: &mut UiState) {
 /// Draws every control.
 pub fn draw(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled, own: &mut OwnScene) {
     chosen::patient(ui, state, controlled);
-    anatomy::anatomy(ui, state, controlled);
     chosen::scene(ui, state, controlled);
     chosen::placement(ui, state, controlled, own);
     chosen::files(ui, state, controlled);
     time(ui, state, controlled);
     gaze(ui, state, controlled);
     pupil(ui, state, controlled);
+    // Below what is used while time runs, which has to be in reach on a telephone.
+    anatomy::anatomy(ui, state, controlled);
     panels(ui, state, controlled);
     numbers(ui, controlled);
     ledger(ui, state);
