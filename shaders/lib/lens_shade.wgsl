@@ -28,10 +28,11 @@ fn capsule_cloud(place_mm: vec2<f32>, radius_mm: f32) -> f32 {
 fn lens_cloud(nucleus: vec4<f32>, cloud_mm: f32, place_mm: vec2<f32>) -> vec3<f32> {
     let middle = 1.0 - smoothstep(0.7, 1.25, length(place_mm) / NUCLEUS_RADIUS_MM);
     var color = nucleus.rgb * (0.25 + 0.75 * middle);
-    if cloud_mm > 0.0 {
+    // Not by the uniforms alone, as `studio_radiance` says.
+    if cloud_mm * (LENS_RADIUS_MM - length(place_mm)) > 0.0 {
         color = mix(color, CAPSULE_COLOR, capsule_cloud(place_mm, cloud_mm));
     }
-    if nucleus.w > 0.0 {
+    if nucleus.w * length(place_mm) > 0.0 {
         color = mix(color, CORTEX_COLOR, cortical_wedges(place_mm, nucleus.w));
     }
     return color;

@@ -33,7 +33,7 @@ pub fn capsule_cloud(place_mm: DVec2, radius_mm: f64) -> f64 {
 pub fn lens_cloud(nucleus: DVec4, cloud_mm: f64, place_mm: DVec2) -> DVec3 {
     let middle = 1.0 - smoothstep(0.7, 1.25, place_mm.length() / NUCLEUS_RADIUS_MM);
     let mut color = nucleus.truncate() * (0.25 + 0.75 * middle);
-    if cloud_mm > 0.0 {
+    if cloud_mm > 0.0 && place_mm.length() < LENS_RADIUS_MM {
         color = color.lerp(CAPSULE_COLOR, capsule_cloud(place_mm, cloud_mm));
     }
     if nucleus.w > 0.0 {
