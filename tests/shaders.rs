@@ -1,6 +1,8 @@
 //! Every shader, composed as Bevy composes it and validated, in every combination of its defines;
 //! and every pipeline of the real app.
 
+mod branches;
+
 use crate::stage::{alone, open, patient, session, settle};
 use bevy::app::{App, Plugin};
 use bevy::asset::AssetPlugin;
@@ -87,9 +89,8 @@ fn composer() -> Result<Composer, String> {
     Ok(composer)
 }
 
-/// Composes a text under these defines and validates what comes out for any WebGPU device;
-/// answers with the entry points.
-fn compose(text: &str, name: &str, set: &[&String]) -> Result<Vec<String>, String> {
+/// Composes a text under these defines and validates what comes out for any WebGPU device.
+fn compose(text: &str, name: &str, set: &[&String]) -> Result<naga::Module, String> {
     let mut composer = composer()?;
     let mut shader_defs: HashMap<String, ShaderDefValue> = set
         .iter()
@@ -108,11 +109,7 @@ fn compose(text: &str, name: &str, set: &[&String]) -> Result<Vec<String>, Strin
     };
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     match validator.validate(&module) {
-        Ok(_) => Ok(module
-            .entry_points
-            .iter()
-            .map(|entry| entry.name.clone())
-            .collect()),
+        Ok(_) => Ok(module),
         Err(error) => Err(format!("{error:?}")),
     }
 }
@@ -130,9 +127,13 @@ fn every_shader_is_valid_in_every_define_combination() {
         for bits in 0..1_u32 << known.len() {
             let chosen = known.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1);
             let set: Vec<&String> = chosen.map(|(_, define)| define).collect();
-            let entries = compose(&text, source.name, &set)
+            let module = compose(&text, source.name, &set)
                 .unwrap_or_else(|why| panic!("{} with {set:?}: {why}", source.name));
-            assert!(!entries.is_empty(), "{} has no entry point", source.name);
+            assert!(
+                !module.entry_points.is_empty(),
+                "{} has no entry point",
+                source.name
+            );
             combinations += 1;
         }
     }

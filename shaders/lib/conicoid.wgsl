@@ -12,7 +12,7 @@ const CONICOID_FLAT_QUADRATIC: f32 = 1e-6;
 // the front sheet, or −1 when the ray misses it.
 fn conicoid_intersect(origin: vec3f, dir: vec3f, radius: f32, p: f32) -> f32 {
     let dir_squared = dot(dir, dir);
-    if !(radius > 0.0 && dir_squared > 0.0) {
+    if !(dir_squared > 0.0 && radius > 0.0) {
         return -1.0;
     }
     // From the point of closest approach to the apex every coefficient is of the eye's size,

@@ -212,6 +212,9 @@ impl Headless {
     }
 
     /// What moves the patient's eyes.
+    ///
+    /// # Panics
+    /// Where the app has no [`Stage`], or what stands on it has been despawned.
     pub fn controller(&self) -> &GazeController {
         let patient = self.app.world().resource::<Stage>().patient;
         self.app
@@ -221,6 +224,9 @@ impl Headless {
     }
 
     /// What moves the patient's eyes, to be told something.
+    ///
+    /// # Panics
+    /// Where the app has no [`Stage`], or what stands on it has been despawned.
     pub fn controller_mut(&mut self) -> Mut<'_, GazeController> {
         let patient = self.app.world().resource::<Stage>().patient;
         self.app
@@ -230,11 +236,17 @@ impl Headless {
     }
 
     /// The state of the view.
+    ///
+    /// # Panics
+    /// Where the app has no [`Stage`], or what stands on it has been despawned.
     pub fn percept(&self) -> &Percept {
         self.on_camera(Which::View).expect("the view is worn")
     }
 
     /// What the view's passes were told in the last frame.
+    ///
+    /// # Panics
+    /// Where the app has no [`Stage`], or what stands on it has been despawned.
     pub fn frame(&self) -> &PerceptFrame {
         self.on_camera(Which::View).expect("the view is worn")
     }

@@ -3,10 +3,11 @@
 //! Enters: an app built with [`plugins`] and [`RecordPlugin`], and a [`Recording`]. Leaves: `frame_NNNNN.png`
 //! in a folder. Cameras that would draw into the primary window draw into a picture of that size.
 
-use super::headless::{Headless, HeadlessError};
+use super::headless::Headless;
+use super::render::RenderError;
 use crate::frame::panel::target_image;
 use crate::frame::picture::encode_png;
-use crate::output_file::{WriteError, prepare_folder, write_whole};
+use crate::output_file::{prepare_folder, write_whole};
 use bevy::app::PluginGroupBuilder;
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
@@ -84,20 +85,6 @@ impl Recording {
     }
 }
 
-/// Why nothing, or not everything, was recorded.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordError {
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// A frame could not be made.
-    #[error(transparent)]
-    Frame(#[from] HeadlessError),
-    /// A picture could not be encoded.
-    #[error("frame {0} could not be encoded: {1}")]
-    Encode(u64, String),
-}
-
 /// Bevy's default plugins: with a window, or, for a recording, without.
 pub fn plugins(recording: Option<&Recording>) -> PluginGroupBuilder {
     match recording {
@@ -143,14 +130,14 @@ fn take_windows_place(picture: Res<InWindowsPlace>, mut cameras: Query<&mut Rend
     }
 }
 
-fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<(), RecordError> {
+fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<(), RenderError> {
     prepare_folder(&recording.out)?;
     let mut headless = Headless::of(app)?;
     for frame in 0..recording.frames {
         headless.go_to(frame as f64 / recording.fps);
         headless.finish_frame();
         let png = encode_png(&headless.picture(picture)?)
-            .map_err(|error| RecordError::Encode(frame, error.to_string()))?;
+            .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
         write_whole(&recording.out.join(format!("frame_{frame:05}.png")), &png)?;
     }
     Ok(())
