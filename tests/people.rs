@@ -150,6 +150,43 @@ fn four_views_of_a_still_scene_cost_four_pictures_and_no_capture() {
     assert!(world.get::<Camera>(cameras[0]).expect("a camera").is_active);
 }
 
+#[test]
+fn a_view_is_taken_again_when_only_the_lens_of_an_eye_in_it_changes() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(1);
+    let bob = headless
+        .world()
+        .spawn(Patient::preset("healthy-green"))
+        .id();
+    headless.world().spawn((
+        EyeModel(bob),
+        // It looks back at the camera, 0.3 m away.
+        Transform::from_xyz(0.0, 0.0, -0.3).with_rotation(Quat::from_rotation_y(FRAC_PI_2 * 2.0)),
+    ));
+    headless.go_to(0.1);
+    headless.go_to(0.2);
+    let captures = |headless: &mut Headless| {
+        let before = headless.work();
+        headless.stand_still();
+        headless.finish_frame();
+        headless.work().since(before).view_captures
+    };
+    for _ in 0..8 {
+        captures(&mut headless);
+    }
+    assert_eq!(captures(&mut headless), 0, "nothing moves");
+    headless
+        .world()
+        .entity_mut(bob)
+        .insert(Cataract::nuclear(4.0));
+    assert_eq!(captures(&mut headless), 1, "the lens is another");
+    // Once more when the pipeline for clouded lenses is there.
+    for _ in 0..8 {
+        captures(&mut headless);
+    }
+    assert_eq!(captures(&mut headless), 0, "and stays so");
+}
+
 fn difference(one: &RgbaImage, other: &RgbaImage) -> f64 {
     let sum: f64 = one
         .as_raw()

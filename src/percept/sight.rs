@@ -1,9 +1,10 @@
 //! Whether anything that a camera might see has changed.
 //!
-//! Enters: Bevy's own record of changes to meshes, materials, textures, lights and their places.
+//! Enters: Bevy's own record of changes to meshes, materials, textures, lights and their places, and eyes.
 //! Leaves: the render layers that were touched in this frame. A shadow may fall in from outside of
 //! the picture, so a change anywhere on a camera's layers counts.
 
+use crate::appearance::{EyeModel, EyeParts};
 use bevy::asset::AssetEvent;
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::GlobalAmbientLight;
@@ -98,6 +99,7 @@ pub(super) fn notice(
     mut changes: ResMut<SceneChanges>,
     altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
     skinned: Query<(&SkinnedMesh, Option<&RenderLayers>)>,
+    eyes: Query<Option<&RenderLayers>, (With<EyeModel>, Changed<EyeParts>)>,
     moved: Query<(), Changed<GlobalTransform>>,
     ambient: Option<Res<GlobalAmbientLight>>,
     drawn: Query<Drawn>,
@@ -126,6 +128,10 @@ pub(super) fn notice(
         if skin.joints.iter().any(|joint| moved.contains(*joint)) {
             changes.add(layers);
         }
+    }
+    // Eyes are drawn with materials of their own.
+    for layers in &eyes {
+        changes.add(layers);
     }
     changes.everywhere = ambient.is_some_and(|ambient| ambient.is_changed());
     redrawn(changes, &drawn, &mut surfaces);
