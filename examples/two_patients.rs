@@ -28,9 +28,7 @@ fn meet(mut commands: Commands, size: Res<Width>) {
     let after = commands
         .spawn((
             Patient::preset("healthy-brown"),
-            Glaucoma {
-                stage: GlaucomaStage::Severe,
-            },
+            Glaucoma::from(GlaucomaStage::Severe),
         ))
         .id();
     let half = UVec2::new(size.0.x / 2, size.0.y);

@@ -45,3 +45,8 @@ pub mod ui;
 
 #[cfg(feature = "bevy")]
 pub use plugins::{OculariumPlugins, prelude};
+
+/// The README's programs, compiled as tests.
+#[cfg(all(doctest, feature = "bevy"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

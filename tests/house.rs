@@ -181,3 +181,42 @@ fn the_readme_knows_every_field_of_a_patient_file() {
         );
     }
 }
+
+/// Paths in the documents' code spans: words that begin with a folder of the project.
+fn named_paths(text: &str) -> Vec<&str> {
+    text.split('`')
+        .skip(1)
+        .step_by(2)
+        .filter(|span| {
+            let top = span.split('/').next().unwrap_or_default();
+            let folders = [
+                "src", "tests", "shaders", "examples", "web", "assets", "docs",
+            ];
+            span.contains('/') && folders.contains(&top)
+        })
+        .filter(|span| !span.contains([' ', '{', '*', '\n', '<']))
+        .collect()
+}
+
+#[test]
+fn the_documents_name_files_that_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut documents = vec![root.join("README.md")];
+    let docs = fs::read_dir(root.join("docs")).expect("docs");
+    documents.extend(docs.map(|entry| entry.expect("an entry").path()));
+    documents.retain(|path| path.extension().is_some_and(|ending| ending == "md"));
+    let mut count = 0;
+    for document in documents {
+        let text = fs::read_to_string(&document).expect("text");
+        for path in named_paths(&text) {
+            count += 1;
+            assert!(
+                root.join(path).exists(),
+                "{} names {path}",
+                document.display()
+            );
+        }
+    }
+    assert!(count > 20, "{count} paths");
+    assert_eq!(named_paths("a `src/no.rs` b `cargo run`"), ["src/no.rs"]);
+}

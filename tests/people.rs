@@ -310,9 +310,8 @@ const CHANGES: &[Change] = &[
     (
         "Glaucoma of the eye",
         |w, eye, _| {
-            w.entity_mut(eye).insert(Glaucoma {
-                stage: GlaucomaStage::Severe,
-            });
+            w.entity_mut(eye)
+                .insert(Glaucoma::from(GlaucomaStage::Severe));
         },
         [false, true],
     ),
@@ -326,9 +325,8 @@ const CHANGES: &[Change] = &[
     (
         "Glaucoma of the person",
         |w, _, patient| {
-            w.entity_mut(patient).insert(Glaucoma {
-                stage: GlaucomaStage::Severe,
-            });
+            w.entity_mut(patient)
+                .insert(Glaucoma::from(GlaucomaStage::Severe));
         },
         [false, true],
     ),

@@ -261,11 +261,7 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
     run.headless.command(SessionCommand::Scene(Arc::new(scene)));
     settle(&mut run.headless);
     let glaucoma = patient("glaucoma-moderate");
-    let (eye, age_years, stage) = (
-        glaucoma.eye,
-        glaucoma.age_years,
-        glaucoma.glaucoma.map(|own| own.stage),
-    );
+    let (eye, age_years, stage) = (glaucoma.eye, glaucoma.age_years, glaucoma.glaucoma);
     assert_eq!(eye, Laterality::OD);
     let healthy = PatientFile {
         glaucoma: None,
@@ -285,7 +281,7 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
         run.view()
     });
     let field =
-        ocularium::conditions::glaucoma::glaucoma_field(stage.expect("a stage"), eye, age_years);
+        ocularium::conditions::glaucoma::glaucoma_field(stage.expect("glaucoma"), eye, age_years);
     let half = 25f64.to_radians().tan();
     // Means over what is lost, what is kept, and the four quadrants: (sum, count) each.
     let mut darker = [[0.0_f64; 2]; 6];

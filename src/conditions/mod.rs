@@ -24,7 +24,7 @@ macro_rules! with_conditions {
     ($callback:ident! { $($rest:tt)* }) => {
         $callback! {
             conditions {
-                glaucoma: $crate::conditions::Glaucoma, "loss of nerve fibres and of the visual field: `Early`, `Moderate` or `Severe`";
+                glaucoma: $crate::conditions::Glaucoma, "loss of nerve fibres and of the visual field: `Early`, `Moderate`, `Severe`, or `MeanDeviation(dB)`, 0 to -30";
                 cataract: $crate::conditions::Cataract, "clouding of the lens by its LOCS III grades: `(nuclear: 0 to 6.9, cortical: 0 to 5.9, subcapsular: 0 to 5.9)`";
             }
             $($rest)*

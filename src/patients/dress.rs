@@ -305,9 +305,9 @@ mod tests {
                 ..EyeFile::default()
             },
             left: EyeFile {
-                glaucoma: Some(crate::conditions::Glaucoma {
-                    stage: crate::conditions::GlaucomaStage::Severe,
-                }),
+                glaucoma: Some(crate::conditions::Glaucoma::from(
+                    crate::conditions::GlaucomaStage::Severe,
+                )),
                 cataract: Some(crate::conditions::Cataract::nuclear(3.0)),
                 eumelanin_ratio: Some(0.5),
                 ..EyeFile::default()

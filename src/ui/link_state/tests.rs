@@ -25,9 +25,7 @@ fn an_empty_link_is_the_usual_state_and_old_links_still_work() {
     let old = read("#patient=glaucoma-moderate&scene=chart&seed=7");
     assert_eq!(
         old.patient.glaucoma,
-        Some(Glaucoma {
-            stage: GlaucomaStage::Moderate
-        })
+        Some(Glaucoma::from(GlaucomaStage::Moderate))
     );
     assert_eq!((old.scene, old.seed), (BuiltIn::Chart, 7));
 }
@@ -148,7 +146,7 @@ fn patients() -> impl Strategy<Value = PatientFile> {
                 stroma_melanin_fraction: numbers.2,
                 iris_color: choices.0,
                 pupil: choices.1,
-                glaucoma: choices.2.map(|stage| Glaucoma { stage }),
+                glaucoma: choices.2.map(Glaucoma::from),
                 cataract: numbers.2.map(|share| Cataract::nuclear(10.0 * share)),
                 left: EyeFile {
                     sphere_d: numbers.2.map(|share| -20.0 * share),
