@@ -129,6 +129,8 @@ fn four_views_of_a_still_scene_cost_four_pictures_and_no_capture() {
         headless.stand_still();
         headless.finish_frame();
     }
+    let gone = seen(&mut headless, cameras[0]);
+    assert!(difference(&moved, &gone) > 3.0, "it is out of their sight");
     let before = headless.work();
     headless
         .world()

@@ -71,6 +71,22 @@ fn the_same_seed_writes_the_same_trace() {
     });
     assert_eq!(traces[0], traces[1]);
     assert_ne!(traces[0], traces[2], "another seed, another life");
+    // With more that may be looked at, and with less, it looks elsewhere.
+    let found = [5, 80].map(|threshold| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let request = RenderRequest {
+            options: ViewOptions {
+                threshold,
+                ..ViewOptions::default()
+            },
+            ..request(folder.path())
+        };
+        let session = session(patient("healthy-brown"), 7);
+        render(session, &request, &AtomicBool::new(false), |_, _| {})
+            .unwrap_or_else(|error| panic!("{error}"))
+            .candidates
+    });
+    assert!(found[0] > 2 * found[1], "{found:?} corners");
     let mut lines = traces[0].lines();
     assert_eq!(lines.next(), Some(HEADER));
     let times: Vec<&str> = lines.filter_map(|line| line.split(',').next()).collect();

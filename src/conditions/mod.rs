@@ -144,6 +144,7 @@ macro_rules! plugin {
                     continue;
                 };
                 let is_changed = field.is_none()
+                    || media.is_none()
                     || gone
                     || eye.is_changed()
                     || owner.is_changed()

@@ -13,6 +13,7 @@ use super::approximations::{
     self, Effort, Requirement, TableSize, Task, joint_csv, report, requirements,
     tables_at_run_time, task_csv,
 };
+use super::frame_cost::{self, CrowdCost, EyeCost, ViewsCost};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
 use super::render::median;
@@ -96,6 +97,12 @@ struct Summary {
     frames: Vec<FrameCase>,
     field: Vec<FieldCase>,
     field_time_ratio_8x_volume: f64,
+    /// What an eye costs the processor.
+    eye: EyeCost,
+    /// What people cost whom nobody draws.
+    crowds: Vec<CrowdCost>,
+    /// What views of one still scene cost.
+    views: Vec<ViewsCost>,
     /// What was asked of the optics and tissue library, and what was found.
     requirements: Vec<Requirement>,
     /// Bytes that it reads at run time.
@@ -377,6 +384,32 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
             case.table_bytes as f64 / 1e6,
         );
     }
+    let eye = frame_cost::eye(session(brown, 1.0)?, 4 * count)?;
+    eprintln!(
+        "an eye costs the processor {:.2} ms a frame while it turns, {:.2} ms while it looks at one place, \
+         {:.2} ms while time stands; the frame without it {:.2} ms",
+        eye.turning_ms, eye.still_ms, eye.paused_ms, eye.nothing_shown_ms
+    );
+    let crowds = [1, 10, 100]
+        .map(|people| frame_cost::crowd(people, count))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    for crowd in &crowds {
+        eprintln!(
+            "{:>4} people, none drawn {:7.2} ms a frame, gaze {:.0}°",
+            crowd.people, crowd.ms_median, crowd.turned_deg
+        );
+    }
+    let views = [1, 4]
+        .map(|cameras| frame_cost::views(cameras, count))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    for view in &views {
+        eprintln!(
+            "{:>4} views of one scene {:7.2} ms a frame, {:.2} presents, {:.2} captures",
+            view.cameras, view.ms_median, view.presents, view.captures
+        );
+    }
     let errors = approximate_apart(out, quick)?;
     let requirements = requirements(&errors);
     for requirement in &requirements {
@@ -390,6 +423,9 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
         field_time_ratio_8x_volume: field[1].ms_median / field[0].ms_median,
         frames,
         field,
+        eye,
+        crowds,
+        views,
         requirements,
         core_tables: tables_at_run_time(),
         errors,

@@ -109,6 +109,16 @@ impl Headless {
         sizes: [UVec2; 2],
         shown: [bool; 2],
     ) -> Result<Self, HeadlessError> {
+        Self::prepared(session, sizes, shown, |_, _| {})
+    }
+
+    /// The same, with the stage changed by `prepare` before its first frame.
+    pub fn prepared(
+        session: Session,
+        sizes: [UVec2; 2],
+        shown: [bool; 2],
+        prepare: impl FnOnce(&mut World, Stage),
+    ) -> Result<Self, HeadlessError> {
         require_device()?;
         let mut app = App::new();
         app.add_plugins((
@@ -120,6 +130,8 @@ impl Headless {
                 shown,
             },
         ));
+        let stage = app.world().resource::<Stage>().clone();
+        prepare(app.world_mut(), stage);
         Self::of(app)
     }
 
@@ -332,6 +344,11 @@ impl Headless {
     /// The app itself.
     pub fn world(&mut self) -> &mut World {
         self.app.world_mut()
+    }
+
+    /// What draws, to be added to.
+    pub fn render_app(&mut self) -> &mut SubApp {
+        self.app.sub_app_mut(RenderApp)
     }
 
     /// The render world.

@@ -6,6 +6,8 @@
 pub mod approximations;
 #[cfg(feature = "app")]
 pub mod bench;
+#[cfg(feature = "app")]
+pub mod frame_cost;
 pub mod headless;
 pub mod image_difference;
 #[cfg(feature = "app")]

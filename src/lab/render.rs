@@ -9,6 +9,7 @@ use crate::motion::trace::{TraceRow, write_trace};
 use crate::output_file::{FolderLock, WriteError, prepare_folder, write_whole};
 use crate::percept::ViewOptions;
 use crate::percept::places::FEWEST_CORNERS;
+use crate::scene::catalog::LoadedScene;
 use crate::stage::{HeadPath, Session};
 use bevy::math::UVec2;
 use image::RgbaImage;
@@ -183,12 +184,24 @@ pub fn render(
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
     let scene = session.scene.name().to_owned();
-    let mut headless = Headless::new(session, sizes, shown)?;
-    headless.set_orbit(request.orbit);
-    headless.set_options(request.options);
-    if let Some(path) = &request.head_path {
-        headless.set_head_path(path.clone());
+    if request.head_path.is_some() && matches!(session.scene.as_ref(), LoadedScene::Photo(_)) {
+        remarks.push("A photograph has one viewpoint: the head path is not followed.".into());
     }
+    // All of it stands before the first look: what the eye may look at is searched for but once.
+    let mut headless = Headless::prepared(session, sizes, shown, |world, stage| {
+        world.entity_mut(stage.eye).insert(request.orbit);
+        let mut view = world.entity_mut(stage.view);
+        if let Some(mut options) = view.get_mut::<ViewOptions>() {
+            let exposure = options.exposure;
+            *options = ViewOptions {
+                exposure,
+                ..request.options
+            };
+        }
+        if let Some(path) = &request.head_path {
+            view.insert((path.at(0.0), path.clone()));
+        }
+    })?;
     headless.stand_still();
     let ready_after_s = started.elapsed().as_secs_f64();
 

@@ -227,7 +227,7 @@ type Mover<'a> = (
     Entity,
     &'a mut GazeController,
     Option<Ref<'a, Candidates>>,
-    &'a Patient,
+    Ref<'a, Patient>,
     &'a PupilControl,
     &'a Adaptation,
 );
@@ -250,7 +250,7 @@ fn decide(
         let controller = &mut *controller;
         let fresh = std::mem::take(&mut controller.fresh);
         let now = controller.engine.settings();
-        let wanted = settings_of(now, patient, control, adaptation, lens, refraction);
+        let wanted = settings_of(now, &patient, control, adaptation, lens, refraction);
         if fresh || wanted != *now {
             if let Err(error) = controller.engine.set_settings(wanted) {
                 warn!("the eye keeps its settings: {error}");
@@ -261,7 +261,7 @@ fn decide(
             }
         }
         if let Some(field) = field
-            && (fresh || field.is_changed())
+            && (fresh || field.is_changed() || patient.is_changed())
         {
             let lost = (!field.is_whole()).then(|| (*field).clone());
             controller.engine.set_visual_field(lost);

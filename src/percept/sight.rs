@@ -73,6 +73,7 @@ pub(super) struct Gone<'w, 's> {
     points: RemovedComponents<'w, 's, PointLight>,
     suns: RemovedComponents<'w, 's, DirectionalLight>,
     spots: RemovedComponents<'w, 's, SpotLight>,
+    layers: RemovedComponents<'w, 's, RenderLayers>,
 }
 
 /// What meshes are drawn with.
@@ -98,6 +99,7 @@ type Drawn<'a> = (
 pub(super) fn notice(
     mut changes: ResMut<SceneChanges>,
     altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
+    unaltered: Query<(Entity, Option<&RenderLayers>), Seen>,
     skinned: Query<(&SkinnedMesh, Option<&RenderLayers>)>,
     eyes: Query<Option<&RenderLayers>, (With<EyeModel>, Changed<EyeParts>)>,
     moved: Query<(), Changed<GlobalTransform>>,
@@ -108,11 +110,17 @@ pub(super) fn notice(
 ) {
     let changes = &mut *changes;
     changes.touched = None;
-    for (entity, layers) in &altered {
+    // What has lost its layers is on the usual one now.
+    let bare: Vec<_> = gone.layers.read().collect();
+    for (entity, layers) in altered.iter().chain(unaltered.iter_many(bare)) {
         changes.add(layers);
-        changes
-            .known
-            .insert(entity, layers.cloned().unwrap_or_default());
+        let now = layers.cloned().unwrap_or_default();
+        // Who sees the layers that it was on sees it go.
+        if let Some(before) = changes.known.insert(entity, now.clone())
+            && before != now
+        {
+            changes.add(Some(&before));
+        }
     }
     let gone = (gone.meshes.read())
         .chain(gone.points.read())

@@ -225,16 +225,16 @@ impl Percept {
 
 /// Takes in finished captures: candidates for the eye, distances for the user's pointer.
 pub(super) fn receive(
-    mut views: Query<(&SeesAs, &mut Percept, Option<&Panel>)>,
+    mut views: Query<(&SeesAs, &Worn, &mut Percept, Option<&Panel>)>,
     mut people: Query<(&GazeController, Option<&mut Candidates>)>,
+    mut has_come: Local<bool>,
     finder: EyeFinder,
     mut clock: ResMut<SimulationClock>,
     mut commands: Commands,
 ) {
     let mut told = HashSet::new();
     let mut is_waiting = false;
-    let mut has_come = false;
-    for (sees, mut percept, panel) in &mut views {
+    for (sees, worn, mut percept, panel) in &mut views {
         if let Some(result) = percept.returned.take()
             && result.serial > percept.captured.serial
             && percept.stage != Stage::Wanted
@@ -248,7 +248,7 @@ pub(super) fn receive(
                 percept.is_new = false;
                 percept.shown = None;
             }
-            has_come = true;
+            *has_come = true;
             // Who is seen through by several cameras chooses by the first.
             if let Some((_, patient)) = finder.find(sees.0)
                 && told.insert(patient)
@@ -267,9 +267,13 @@ pub(super) fn receive(
                 }
             }
         }
-        is_waiting |= percept.is_new && panel.is_none_or(|panel| panel.visible);
+        // Only of who can see an answer will come.
+        is_waiting |= percept.is_new
+            && panel.is_none_or(|panel| panel.visible)
+            && worn.size() != UVec2::ZERO
+            && finder.find(sees.0).is_some();
     }
-    if has_come && !is_waiting {
+    if *has_come && !is_waiting {
         clock.ready = true;
     }
 }

@@ -1,0 +1,309 @@
+//! What an eye, people and views cost the processor in a frame, apart from what draws them.
+//!
+//! Leaves: [`EyeCost`] of an eye that turns, stands still, or is paused; [`CrowdCost`] of people that
+//! nobody draws; [`ViewsCost`] of cameras that see one still scene. Processor time runs from the
+//! beginning of a frame until the render schedule begins to record commands: simulation, lids,
+//! tables, extraction and upload are in it, drawing is not.
+
+use super::bench::BenchError;
+use super::headless::{Headless, plugins};
+use super::render::median;
+use crate::anatomy::Gaze;
+use crate::frame::Panel;
+use crate::frame::panel::target_image;
+use crate::motion::MotionCommand;
+use crate::motion::engine::GazeCommand;
+use crate::patients::load_patient;
+use crate::percept::SeesAs;
+use crate::plugins::OculariumPlugins;
+use crate::stage::Session;
+use bevy::camera::{Hdr, RenderTarget};
+use bevy::ecs::schedule::IntoScheduleConfigs;
+use bevy::math::UVec2;
+use bevy::prelude::*;
+use bevy::render::{Render, RenderSystems};
+use serde::Serialize;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Side of the panels, pixels: small, so that what draws is out of the way.
+const SIDE: u32 = 64;
+/// A frame in which the gaze has changed by more than this, °, is one in which the eye turns.
+const TURNING_DEG: f64 = 0.2;
+/// Frames of a sixtieth of a second between two commands to look elsewhere: a saccade begins 0.2 s
+/// after its command.
+const TURN_EVERY: usize = 20;
+
+/// Milliseconds of the processor in frames of an eye, less those of the same frames without one.
+#[derive(Clone, Debug, Serialize)]
+pub struct EyeCost {
+    /// Frames with nothing shown.
+    pub nothing_shown_ms: f64,
+    /// Added by an eye that is shown, in frames in which it turns.
+    pub turning_ms: f64,
+    /// Added by one that looks at one place while time runs: its pupil is never at rest.
+    pub still_ms: f64,
+    /// Added by one whose time stands.
+    pub paused_ms: f64,
+}
+
+/// A frame of people that nobody draws.
+#[derive(Clone, Debug, Serialize)]
+pub struct CrowdCost {
+    /// How many, two eyes each.
+    pub people: usize,
+    /// Milliseconds of the processor, median.
+    pub ms_median: f64,
+    /// Farthest that somebody's eye has turned, °: nobody stands still.
+    pub turned_deg: f64,
+}
+
+/// A frame of cameras that see as somebody, before one still scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct ViewsCost {
+    /// How many cameras.
+    pub cameras: usize,
+    /// Milliseconds until the device has finished, median.
+    pub ms_median: f64,
+    /// Pictures presented in a frame.
+    pub presents: f64,
+    /// Captures in a frame.
+    pub captures: f64,
+}
+
+/// When the frame began, and what it took.
+#[derive(Resource, Clone, Default)]
+struct Stopwatch(Arc<Mutex<(Option<Instant>, f64)>>);
+
+impl Stopwatch {
+    fn begin(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).0 = Some(Instant::now());
+    }
+
+    fn end(&self) {
+        let mut own = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(began) = own.0.take() {
+            own.1 = began.elapsed().as_secs_f64() * 1e3;
+        }
+    }
+
+    fn ms(&self) -> f64 {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).1
+    }
+
+    /// Puts a stopwatch into an app.
+    fn put_into(headless: &mut Headless) -> Self {
+        let own = Self::default();
+        let recorded = own.clone();
+        headless
+            .render_app()
+            .insert_resource(own.clone())
+            .add_systems(
+                Render,
+                (move || recorded.end())
+                    .after(RenderSystems::Prepare)
+                    .before(RenderSystems::Render),
+            );
+        own
+    }
+}
+
+/// Milliseconds of the processor in `count` frames from `from_s`, and in which of them the eye turned.
+fn frames(
+    headless: &mut Headless,
+    stopwatch: &Stopwatch,
+    count: usize,
+    mut step: impl FnMut(&mut Headless, usize),
+) -> Vec<(f64, bool)> {
+    let gaze = |headless: &Headless| {
+        let state = headless.state();
+        (state.gaze_azimuth_rad, state.gaze_elevation_rad)
+    };
+    (0..count)
+        .map(|frame| {
+            let before = gaze(headless);
+            stopwatch.begin();
+            step(headless, frame);
+            headless.finish_frame();
+            let after = gaze(headless);
+            let turned = (after.0 - before.0).hypot(after.1 - before.1).to_degrees();
+            (stopwatch.ms(), turned > TURNING_DEG)
+        })
+        .collect()
+}
+
+fn look(headless: &mut Headless, azimuth_deg: f64) {
+    headless
+        .world()
+        .write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+            azimuth_rad: azimuth_deg.to_radians(),
+            elevation_rad: 0.0,
+            distance_m: 1.0,
+        }));
+}
+
+/// Median of the frames that are wanted; of all, where there is none of them.
+fn median_of(frames: &[(f64, bool)], turning: bool) -> f64 {
+    let mut chosen: Vec<f64> = frames
+        .iter()
+        .filter(|(_, turned)| *turned == turning)
+        .map(|(ms, _)| *ms)
+        .collect();
+    if chosen.is_empty() {
+        chosen = frames.iter().map(|(ms, _)| *ms).collect();
+    }
+    median(&mut chosen)
+}
+
+/// Measures an eye, by itself, over `count` frames of each kind.
+///
+/// # Errors
+/// Where no frame can be made.
+pub fn eye(session: Session, count: usize) -> Result<EyeCost, BenchError> {
+    let mut headless = Headless::new(session, [UVec2::splat(SIDE); 2], [true, false])?;
+    let stopwatch = Stopwatch::put_into(&mut headless);
+    let mut time_s = 1.0;
+    let mut run = |headless: &mut Headless, turning: bool| {
+        let mut place_deg = 12.0;
+        frames(headless, &stopwatch, count, |headless, frame| {
+            if turning && frame % TURN_EVERY == 0 {
+                place_deg = -place_deg;
+                look(headless, place_deg);
+            }
+            time_s += 1.0 / 60.0;
+            headless.go_to(time_s);
+        })
+    };
+    // The first frames fill caches.
+    run(&mut headless, true);
+    let turning = median_of(&run(&mut headless, true), true);
+    look(&mut headless, 0.0);
+    run(&mut headless, false);
+    let still = median_of(&run(&mut headless, false), false);
+    headless.show([false, false]);
+    run(&mut headless, true);
+    let hidden_turning = median_of(&run(&mut headless, true), true);
+    look(&mut headless, 0.0);
+    run(&mut headless, false);
+    let hidden = median_of(&run(&mut headless, false), false);
+    let paused = |headless: &mut Headless| {
+        let frames = frames(headless, &stopwatch, count, |headless, _| {
+            headless.stand_still();
+        });
+        median_of(&frames, false)
+    };
+    let hidden_paused = paused(&mut headless);
+    headless.show([true, false]);
+    paused(&mut headless);
+    let paused_ms = paused(&mut headless) - hidden_paused;
+    Ok(EyeCost {
+        nothing_shown_ms: hidden,
+        turning_ms: turning - hidden_turning,
+        still_ms: still - hidden,
+        paused_ms,
+    })
+}
+
+/// Measures `people` that nobody draws: their eyes move, their pupils and lids too.
+///
+/// # Errors
+/// Where no frame can be made.
+pub fn crowd(people: usize, count: usize) -> Result<CrowdCost, BenchError> {
+    let file = load_patient("healthy-brown")?;
+    let mut app = App::new();
+    app.add_plugins((plugins(), OculariumPlugins));
+    for _ in 0..people {
+        app.world_mut().spawn(file.clone());
+    }
+    let mut headless = Headless::of(app)?;
+    let mut times = Vec::new();
+    let mut place_deg = 12.0;
+    for frame in 0..count + 20 {
+        if frame % TURN_EVERY == 0 {
+            place_deg = -place_deg;
+            look(&mut headless, place_deg);
+        }
+        let at = Instant::now();
+        headless.go_to(1.0 + frame as f64 / 60.0);
+        headless.finish_frame();
+        if frame >= 20 {
+            times.push(at.elapsed().as_secs_f64() * 1e3);
+        }
+    }
+    let world = headless.world();
+    let mut gazes = world.query::<&Gaze>();
+    let turned_deg = gazes
+        .iter(world)
+        .map(|gaze| gaze.azimuth_rad.abs().to_degrees())
+        .fold(0.0, f64::max);
+    Ok(CrowdCost {
+        people,
+        turned_deg,
+        ms_median: median(&mut times),
+    })
+}
+
+/// Measures `cameras` that see as one person does, before a wall that stands still.
+///
+/// # Errors
+/// Where no frame can be made.
+pub fn views(cameras: usize, count: usize) -> Result<ViewsCost, BenchError> {
+    let file = load_patient("healthy-brown")?;
+    let mut app = App::new();
+    app.add_plugins((plugins(), OculariumPlugins));
+    let world = app.world_mut();
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(9.0, 9.0, 0.1));
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(Color::srgb(0.7, 0.5, 0.4));
+    world.spawn((
+        Mesh3d(mesh),
+        MeshMaterial3d(material),
+        Transform::from_xyz(0.0, 0.0, -3.0),
+    ));
+    world.spawn((
+        DirectionalLight::default(),
+        Transform::default().looking_to(Vec3::new(0.3, -0.5, -1.0), Vec3::Y),
+    ));
+    let somebody = world.spawn(file).id();
+    let size = UVec2::splat(4 * SIDE);
+    for _ in 0..cameras {
+        let image = world
+            .resource_mut::<Assets<Image>>()
+            .add(target_image(size));
+        world.spawn((
+            Camera3d::default(),
+            Hdr,
+            RenderTarget::Image(image.clone().into()),
+            Panel {
+                visible: true,
+                size,
+                image,
+            },
+            SeesAs(somebody),
+        ));
+    }
+    let mut headless = Headless::of(app)?;
+    let mut times = Vec::new();
+    let mut before = headless.work();
+    for frame in 0..count + 20 {
+        if frame == 20 {
+            before = headless.work();
+        }
+        let at = Instant::now();
+        headless.go_to(1.0 + frame as f64 / 60.0);
+        headless.finish_frame();
+        if frame >= 20 {
+            times.push(at.elapsed().as_secs_f64() * 1e3);
+        }
+    }
+    let work = headless.work().since(before);
+    Ok(ViewsCost {
+        cameras,
+        ms_median: median(&mut times),
+        presents: work.view_passes as f64 / count as f64,
+        captures: work.view_captures as f64 / count as f64,
+    })
+}
