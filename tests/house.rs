@@ -194,6 +194,8 @@ fn named_paths(text: &str) -> Vec<&str> {
             ];
             span.contains('/') && folders.contains(&top)
         })
+        // What is built is not in a clone.
+        .filter(|span| !span.starts_with("web/dist"))
         .filter(|span| !span.contains([' ', '{', '*', '\n', '<']))
         .collect()
 }
