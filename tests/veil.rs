@@ -21,15 +21,16 @@ const TAN_HALF: f32 = 0.6;
 const LUMINANCE: f32 = 60_000.0;
 const HALF_SIDE: f32 = 2.0 * TAN_HALF / SIDE as f32;
 
-/// A bright square in the middle of darkness, at 10 m, and somebody who looks there.
-fn dark_world() -> (Headless, Entity, Handle<Image>) {
+/// A bright square in darkness, at 10 m, `aside` its tangent to the right, as seen by a camera of this
+/// shape; wide ones see as high.
+fn dark_world(aside: f32, half_side: f32, size: UVec2) -> (Headless, Entity, Handle<Image>) {
     let mut app = App::new();
     app.add_plugins((plugins(), OculariumPlugins))
         .insert_resource(ClearColor(Color::BLACK));
     let world = app.world_mut();
     let mesh = world
         .resource_mut::<Assets<Mesh>>()
-        .add(Rectangle::from_length(20.0 * HALF_SIDE));
+        .add(Rectangle::from_length(20.0 * half_side));
     let material = world
         .resource_mut::<Assets<StandardMaterial>>()
         .add(StandardMaterial {
@@ -40,12 +41,12 @@ fn dark_world() -> (Headless, Entity, Handle<Image>) {
     world.spawn((
         Mesh3d(mesh),
         MeshMaterial3d(material),
-        Transform::from_xyz(0.0, 0.0, -10.0),
+        Transform::from_xyz(10.0 * aside, 0.0, -10.0),
     ));
     let ann = world.spawn(Patient::preset("healthy-brown")).id();
     let image = world
         .resource_mut::<Assets<Image>>()
-        .add(target_image(UVec2::splat(SIDE)));
+        .add(target_image(size));
     let camera = world
         .spawn((
             Camera3d::default(),
@@ -53,7 +54,7 @@ fn dark_world() -> (Headless, Entity, Handle<Image>) {
             RenderTarget::Image(image.clone().into()),
             Panel {
                 visible: true,
-                size: UVec2::splat(SIDE),
+                size,
                 image: image.clone(),
             },
             Projection::Perspective(PerspectiveProjection {
@@ -116,35 +117,43 @@ fn luminance_at(picture: &RgbaImage, angle_deg: f64, exposure: f64) -> [f64; 3] 
     [around.iter().sum::<f64>() / 32.0, low, high]
 }
 
-#[test]
-fn the_veil_of_a_light_is_the_glare_function() {
-    let _alone = alone();
-    let (mut headless, camera, image) = dark_world();
+/// Clouds every eye.
+fn cloud(headless: &mut Headless, cataract: Cataract) {
     let world = headless.world();
     let eyes: Vec<Entity> = world
         .query_filtered::<Entity, With<Eye>>()
         .iter(world)
         .collect();
     for eye in eyes {
-        world.entity_mut(eye).insert(Cataract::cortical(3.0));
+        world.entity_mut(eye).insert(cataract);
     }
-    // Another supersampling is another picture, which takes some frames.
-    let options = |exposure: f32| ViewOptions {
+}
+
+/// Shows some frames under this exposure. Another supersampling is another picture, which takes some.
+fn show(headless: &mut Headless, camera: Entity, exposure: f32, frames: usize) {
+    headless.world().entity_mut(camera).insert(ViewOptions {
         exposure,
         supersampling: 1,
         ..default()
-    };
-    let show = |headless: &mut Headless, exposure: f32, frames: usize| {
-        headless
-            .world()
-            .entity_mut(camera)
-            .insert(options(exposure));
-        for _ in 0..frames {
-            headless.stand_still();
-            headless.finish_frame();
-        }
-    };
-    show(&mut headless, 1.0, 12);
+    });
+    for _ in 0..frames {
+        headless.stand_still();
+        headless.finish_frame();
+    }
+}
+
+/// Luminance of one pixel of a picture.
+fn luminance_there(picture: &RgbaImage, place: [f32; 2], exposure: f64) -> f64 {
+    let [x, y] = place.map(|side| side as u32);
+    luminance_of(picture.get_pixel(x, y).0[1], exposure)
+}
+
+#[test]
+fn the_veil_of_a_light_is_the_glare_function() {
+    let _alone = alone();
+    let (mut headless, camera, image) = dark_world(0.0, HALF_SIDE, UVec2::splat(SIDE));
+    cloud(&mut headless, Cataract::cortical(3.0));
+    show(&mut headless, camera, 1.0, 12);
     let before = headless.work().veil_passes;
     let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
     // Light on the pupil: luminance times solid angle.
@@ -153,7 +162,7 @@ fn the_veil_of_a_light_is_the_glare_function() {
         let wanted = source * veil.spread(angle_deg.to_radians());
         // So that the veil there is a middle grey.
         let exposure = 0.25 / wanted;
-        show(&mut headless, exposure as f32, 2);
+        show(&mut headless, camera, exposure as f32, 2);
         let picture = headless.picture(&image).expect("a picture");
         let [found, low, high] =
             luminance_at(&picture, angle_deg, exposure).map(|luminance| luminance / wanted);
@@ -165,4 +174,85 @@ fn the_veil_of_a_light_is_the_glare_function() {
         assert!(low > 0.85 && high < 1.15, "{angle_deg}°: {low} to {high}");
     }
     assert_eq!(headless.work().veil_passes, before, "one veil for one view");
+}
+
+#[test]
+fn a_light_aside_of_the_middle_has_the_same_veil() {
+    let _alone = alone();
+    // 20° to the right, in a square view and in one twice as wide.
+    let aside = 20f32.to_radians().tan();
+    for size in [UVec2::splat(SIDE), UVec2::new(SIDE, SIDE / 2)] {
+        let (mut headless, camera, image) = dark_world(aside, HALF_SIDE, size);
+        cloud(&mut headless, Cataract::cortical(3.0));
+        show(&mut headless, camera, 1.0, 12);
+        let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
+        let towards = Vec3::new(aside, 0.0, -1.0).normalize();
+        // Luminance times solid angle.
+        let source = f64::from(LUMINANCE)
+            * f64::from(2.0 * HALF_SIDE).powi(2)
+            * f64::from(-towards.z).powi(3);
+        let half = size.as_vec2() * TAN_HALF / size.y as f32;
+        for place in [
+            Vec2::new(0.0, 0.0),
+            Vec2::new(0.2, 0.0),
+            Vec2::new(0.5, 0.0),
+            Vec2::new(aside, 0.1),
+            Vec2::new(aside, -0.3),
+            Vec2::new(0.0, 0.3),
+            Vec2::new(-0.3, 0.0),
+        ] {
+            let ray = Vec3::new(place.x, place.y, -1.0).normalize();
+            let angle = f64::from(ray.angle_between(towards));
+            let wanted = source * veil.spread(angle);
+            let exposure = 0.25 / wanted;
+            show(&mut headless, camera, exposure as f32, 2);
+            let picture = headless.picture(&image).expect("a picture");
+            let uv = place * Vec2::new(1.0, -1.0) / half * 0.5 + 0.5;
+            let pixel = (uv * size.as_vec2()).to_array();
+            let found = luminance_there(&picture, pixel, exposure) / wanted;
+            println!(
+                "{size}, {place}, {:.1}° from it: {found:.3} of the function",
+                angle.to_degrees()
+            );
+            // The bells are round in tangents, and the picture's edge stands for what lies beyond it:
+            // 0.89 to 1.22 up to 30°.
+            let room = if angle < 30f64.to_radians() {
+                0.25
+            } else {
+                0.3
+            };
+            assert!((found - 1.0).abs() < room, "{place}: {found}");
+        }
+    }
+}
+
+#[test]
+fn a_white_wall_stays_white_under_a_veil() {
+    let _alone = alone();
+    for size in [UVec2::splat(SIDE), UVec2::new(SIDE, SIDE / 2)] {
+        // As wide as can be seen.
+        let (mut headless, camera, image) = dark_world(0.0, 4.0, size);
+        // Subcapsular: no colour of its own.
+        cloud(&mut headless, Cataract::posterior_subcapsular(3.0));
+        let exposure = 0.25 / f64::from(LUMINANCE);
+        show(&mut headless, camera, exposure as f32, 12);
+        let picture = headless.picture(&image).expect("a picture");
+        let at = |u: f32, v: f32| {
+            let place = Vec2::new(u, v) * (size.as_vec2() - 1.0);
+            luminance_there(&picture, place.to_array(), exposure)
+        };
+        let middle = at(0.5, 0.5);
+        for (u, v) in [
+            (0.02, 0.5),
+            (0.5, 0.98),
+            (0.02, 0.02),
+            (0.98, 0.98),
+            (0.3, 0.7),
+        ] {
+            let share = at(u, v) / middle;
+            println!("{size}, {u} {v}: {share:.3} of the middle");
+            // One code is 0.02.
+            assert!((share - 1.0).abs() < 0.03, "{u} {v}: {share}");
+        }
+    }
 }

@@ -26,12 +26,14 @@ fn border() -> vec3<f32> {
     return sum / 8.0;
 }
 
-// The light about a place, under a spline eight texels of a level wide: 16 taps of two by two.
+// The mean light about a place, under a spline eight texels of a level wide, by solid angle: 16 taps of
+// two by two.
 fn spread_level(uv: vec2<f32>, level: u32) -> vec3<f32> {
     let texels = vec2<f32>(max(percept.size >> vec2<u32>(level), vec2<u32>(1u)));
     let at = uv * texels - 0.5;
     let base = floor(at) - 3.0;
     var sum = vec3<f32>(0.0);
+    var whole = 0.0;
     for (var j = 0; j < 4; j++) {
         let row = base.y + 2.0 * f32(j);
         let y = pair_along(row, at.y, texels.y, percept.up.w);
@@ -40,9 +42,10 @@ fn spread_level(uv: vec2<f32>, level: u32) -> vec3<f32> {
             let x = pair_along(column, at.x, texels.x, percept.right.w);
             let place = (vec2<f32>(column + x.y, row + y.y) + 0.5) / texels;
             sum += x.x * y.x * textureSampleLevel(view_colour, view_sampler, place, f32(level)).rgb;
+            whole += x.x * y.x;
         }
     }
-    return sum;
+    return sum / max(whole, 1e-6);
 }
 
 @compute @workgroup_size(8, 8)
@@ -53,8 +56,16 @@ fn spread_veil(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let uv = (vec2<f32>(id.xy) + 0.5) / vec2<f32>(size);
     var veil = media.rest * border();
+    // Away from the middle an angle takes more texels: part of each level's light is read a level
+    // coarser.
+    let tangent = (2.0 * uv - 1.0) * vec2<f32>(percept.right.w, percept.up.w);
+    let coarser = min(0.75 * log2(1.0 + dot(tangent, tangent)), 1.0);
+    var passed_on = 0.0;
     for (var level = media.first_level; level <= media.last_level; level++) {
-        veil += media.weights[level / 4u][level % 4u] * spread_level(uv, level);
+        let own = media.weights[level / 4u][level % 4u];
+        let passes = select(coarser * own, 0.0, level == media.last_level);
+        veil += (own - passes + passed_on) * spread_level(uv, level);
+        passed_on = passes;
     }
     textureStore(veil_out, id.xy, vec4<f32>(min(veil, vec3<f32>(65000.0)), 1.0));
 }

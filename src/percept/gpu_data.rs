@@ -162,7 +162,7 @@ impl Default for PerceptUniform {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MediaUniform {
-    /// Weight of each mip level in the veil ([`crate::optics::glare::Veil::weights`]).
+    /// Share of the light on each mip level of the veil ([`crate::optics::glare::Veil::weights`]).
     pub weights: [[f32; 4]; 4],
     /// Transmittance, linear sRGB.
     pub transmittance: [f32; 3],

@@ -76,18 +76,15 @@ fn read_along(texels: &[f64], side: usize, tan_half: f64) -> Vec<f64> {
         .map(|pixel| {
             let at = (pixel as f64 + 0.5) / side as f64 * count - 0.5;
             let base = at.floor() - 3.0;
-            (0..4)
-                .map(|j| {
-                    let first = base + 2.0 * f64::from(j);
-                    // Each texel counts with the solid angle that it has.
-                    let seen = |texel: f64| {
-                        let tangent = (2.0 * (texel + 0.5) / count - 1.0) * tan_half;
-                        let share = (1.0 + tangent * tangent).powf(-1.5);
-                        share * 0.5 * cubic_spline(0.5 * (texel - at)) * read(texel)
-                    };
-                    seen(first) + seen(first + 1.0)
-                })
-                .sum()
+            let (sum, whole) = (0..8).fold((0.0, 0.0), |(sum, whole), k| {
+                let texel = base + f64::from(k);
+                // Each texel counts with the solid angle that it has.
+                let tangent = (2.0 * (texel + 0.5) / count - 1.0) * tan_half;
+                let share = (1.0 + tangent * tangent).powf(-1.5);
+                let weight = share * cubic_spline(0.5 * (texel - at));
+                (sum + weight * read(texel), whole + weight)
+            });
+            sum / whole
         })
         .collect()
 }
@@ -165,13 +162,14 @@ impl Veil {
         self.added / self.unit * energy
     }
 
-    /// The kernel for a picture of this size and `pixels_per_radian` at its middle, as weights of its mip levels from
-    /// `first` to `last` under a cubic B-spline of twice their texels, and what remains for what lies
-    /// around it.
+    /// The kernel for a picture of this size and `pixels_per_radian` at its middle, as shares of the light
+    /// on its mip levels from `first` to `last` under a cubic B-spline of twice their texels, and what
+    /// remains for what lies around it; together they are [`Self::scattered`].
     ///
-    /// A level's texel at the angle θ from the middle counts with its solid angle, cos³ θ; so the
-    /// veil of a source in the middle is right as far as the picture goes, and a uniform picture stays
-    /// what it is there.
+    /// A level is read as a mean in which a texel at the angle θ from the middle counts with its solid
+    /// angle, cos³ θ: so a uniform picture stays what it is everywhere, and a veil in the middle is
+    /// right as far as the picture goes. At the angle θ an angle takes 1/cos² θ as many texels outwards
+    /// and 1/cos θ aside, which is met in the mean, by reading levels 1.5 log₂(1/cos θ) coarser.
     pub fn weights(
         &self,
         pixels_per_radian: f64,
@@ -219,9 +217,12 @@ impl Veil {
                 let share = i as f64 / (FITTED_ANGLES - 1) as f64;
                 let theta = FITTED_RAD.0 * (FITTED_RAD.1 / FITTED_RAD.0).powf(share);
                 let (r, wanted) = (theta.tan(), self.spread(theta));
+                let coarser = coarser_at(r);
                 core::array::from_fn(|level| {
                     if (first..=last).contains(&level) {
-                        at_level(level, r) / wanted
+                        let next = (level + 1).min(last);
+                        let own = (1.0 - coarser) * at_level(level, r);
+                        (own + coarser * at_level(next, r)) / wanted
                     } else {
                         0.0
                     }
@@ -251,9 +252,7 @@ impl Veil {
                 }
             }
         }
-        let kept: f64 = (first..=last)
-            .map(|level| weights[level] * mean_solid_angle(sigma(level)))
-            .sum();
+        let kept: f64 = weights[first..=last].iter().sum();
         // No more than there is, should a picture be so coarse that its levels fit badly.
         let share = (self.scattered / kept.max(f64::MIN_POSITIVE)).min(1.0);
         for weight in &mut weights {
@@ -263,16 +262,10 @@ impl Veil {
     }
 }
 
-/// Mean of cos³ θ over a Gaussian of this sigma in tangents about the middle.
-fn mean_solid_angle(sigma: f64) -> f64 {
-    // By equal shares of its light.
-    const SHARES: usize = 64;
-    let shares = (0..SHARES).map(|i| {
-        let outside = 1.0 - (i as f64 + 0.5) / SHARES as f64;
-        let r_squared = -2.0 * sigma * sigma * outside.ln();
-        (1.0 + r_squared).powf(-1.5)
-    });
-    shares.sum::<f64>() / SHARES as f64
+/// How many levels coarser a place at this tangent from the middle is read: there an angle takes
+/// 1/cos² θ as many texels outwards and 1/cos θ aside.
+fn coarser_at(tangent: f64) -> f64 {
+    (0.75 * (1.0 + tangent * tangent).log2()).min(1.0)
 }
 
 #[cfg(test)]
@@ -304,6 +297,8 @@ mod tests {
                         .all(|weight| weight.is_finite() && *weight >= 0.0)
                 );
                 assert!(rest >= 0.0 && rest <= scattered + 1e-12);
+                let whole = weights.iter().sum::<f64>() + rest;
+                assert!((whole - scattered).abs() < 1e-12, "{whole} of {scattered}");
             }
         }
     }
