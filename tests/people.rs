@@ -85,6 +85,35 @@ fn seen(headless: &mut Headless, camera: Entity) -> RgbaImage {
 }
 
 #[test]
+fn a_view_of_nobody_stops_no_clock() {
+    let _alone = alone();
+    let (mut headless, cameras, _) = world(2);
+    headless.go_to(0.1);
+    // One of two sees as nobody from now on; then both do, in a world of its own.
+    headless
+        .world()
+        .entity_mut(cameras[0])
+        .insert(SeesAs(Entity::PLACEHOLDER));
+    headless.go_to(0.2);
+    assert_eq!(headless.world().resource::<SimulationClock>().time_s, 0.2);
+    let mut app = App::new();
+    app.add_plugins((plugins(), OculariumPlugins));
+    let world = app.world_mut();
+    let image = world
+        .resource_mut::<Assets<Image>>()
+        .add(target_image(UVec2::splat(SIDE)));
+    world.spawn((
+        Camera3d::default(),
+        Hdr,
+        RenderTarget::Image(image.into()),
+        SeesAs(Entity::PLACEHOLDER),
+    ));
+    let mut blind = Headless::of(app).unwrap_or_else(|error| panic!("{error}"));
+    blind.go_to(0.5);
+    assert_eq!(blind.world().resource::<SimulationClock>().time_s, 0.5);
+}
+
+#[test]
 fn four_views_of_a_still_scene_cost_four_pictures_and_no_capture() {
     let _alone = alone();
     let (mut headless, cameras, thing) = world(4);

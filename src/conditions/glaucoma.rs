@@ -6,6 +6,7 @@
 
 use super::{Affected, Condition, Control};
 use crate::anatomy::visual_field::{BundleLoss, VisualField};
+use crate::optics::root::illinois;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
 use bevy::reflect::Reflect;
@@ -61,6 +62,7 @@ pub struct Glaucoma {
 
 /// As it stands in files and links.
 #[derive(Serialize, Deserialize)]
+#[serde(rename = "glaucoma")]
 enum Written {
     Early,
     Moderate,
@@ -122,6 +124,12 @@ const fn group(centre_deg: f64, spread_deg: f64, depth_db: f64, near_share: f64)
     }
 }
 
+/// Both arcuate bundles as the disease leaves them at last.
+const LAST_GROUPS: [BundleLoss; 2] = [
+    group(-112.0, 36.0, 34.0, 1.0),
+    group(116.0, 34.0, 34.0, 1.0),
+];
+
 /// The course: from the whole field by way of the three stages to the blind one. Depths are chosen so
 /// that mean deviations fall into the classes of Hodapp, Parrish and Anderson (1993); places are the
 /// usual ones, the arcuate bundles about 7 and 11 o'clock of the disc, the lower first. What is left
@@ -161,19 +169,13 @@ const COURSE: [Loss; 6] = [
     Loss {
         mean_deviation_db: -28.19,
         even_db: 10.0,
-        groups: [
-            group(-112.0, 36.0, 34.0, 1.0),
-            group(116.0, 34.0, 34.0, 1.0),
-        ],
+        groups: LAST_GROUPS,
         blur_factor: 6.0,
     },
     Loss {
         mean_deviation_db: -30.6,
         even_db: 36.0,
-        groups: [
-            group(-112.0, 36.0, 34.0, 1.0),
-            group(116.0, 34.0, 34.0, 1.0),
-        ],
+        groups: LAST_GROUPS,
         blur_factor: 6.0,
     },
 ];
@@ -232,9 +234,8 @@ impl Glaucoma {
         }
     }
 
-    /// How far along the course a field like `whole` has this mean deviation. The deviation falls
-    /// along the course, so it is bracketed between two of its points; found by regula falsi in its
-    /// Illinois form to a hundredth of a perimeter's 0.1 dB.
+    /// How far along the course a field like `whole` has this mean deviation, to 0.001 dB. The deviation
+    /// falls along the course, so it stands between two of its points.
     fn way(&self, whole: &VisualField) -> f64 {
         let wanted = self.within_range();
         let excess = |way: f64| {
@@ -242,42 +243,18 @@ impl Glaucoma {
             Loss::at(way).take_from(&mut field);
             field.mean_deviation_db() - whole.mean_deviation_db() - wanted
         };
-        let last = (COURSE.len() - 1) as f64;
-        let (mut low, mut above) = (0.0, -wanted);
-        if above == 0.0 {
+        let mut before = (0.0, -wanted);
+        if before.1 == 0.0 {
             return 0.0;
         }
-        let (mut high, mut below) = (0.0, above);
-        while below > 0.0 {
-            if high >= last {
-                return last;
+        for point in 1..COURSE.len() {
+            let here = (point as f64, excess(point as f64));
+            if here.1 <= 0.0 {
+                return illinois(before, here, 1e-3, excess);
             }
-            (low, above) = (high, below);
-            high += 1.0;
-            below = excess(high);
+            before = here;
         }
-        let mut same_side = 0;
-        for _ in 0..60 {
-            let way = (low * below - high * above) / (below - above);
-            let value = excess(way);
-            if value.abs() < 1e-3 {
-                return way;
-            }
-            if value > 0.0 {
-                (low, above) = (way, value);
-                if same_side > 0 {
-                    below *= 0.5;
-                }
-                same_side = 1;
-            } else {
-                (high, below) = (way, value);
-                if same_side < 0 {
-                    above *= 0.5;
-                }
-                same_side = -1;
-            }
-        }
-        0.5 * (low + high)
+        before.0
     }
 
     fn take_from(&self, field: &mut VisualField) {

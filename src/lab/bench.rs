@@ -54,6 +54,9 @@ pub enum BenchError {
     /// A built-in scene is unsound.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// An eye that was to be measured did not do what it was told.
+    #[error("no frame in which the eye {} could be measured", if *.0 { "turns" } else { "stands still" })]
+    NoSuchFrame(bool),
     /// A plot could not be drawn.
     #[error("the plot {0} could not be drawn: {1}")]
     Plot(&'static str, String),
@@ -121,7 +124,7 @@ fn session(patient: &str, factor: f32) -> Result<Session, BenchError> {
 }
 
 /// Times `count` frames of a sixtieth of a second, sorted, in ms.
-fn time_frames(headless: &mut Headless, from_s: f64, count: usize) -> Vec<f64> {
+pub(super) fn time_frames(headless: &mut Headless, from_s: f64, count: usize) -> Vec<f64> {
     let mut times: Vec<f64> = (1..=count)
         .map(|frame| {
             let at = Instant::now();

@@ -5,7 +5,7 @@
 //! beginning of a frame until the render schedule begins to record commands: simulation, lids,
 //! tables, extraction and upload are in it, drawing is not.
 
-use super::bench::BenchError;
+use super::bench::{BenchError, time_frames};
 use super::headless::{Headless, plugins};
 use super::render::median;
 use crate::anatomy::Gaze;
@@ -142,17 +142,20 @@ fn look(headless: &mut Headless, azimuth_deg: f64) {
         }));
 }
 
-/// Median of the frames that are wanted; of all, where there is none of them.
-fn median_of(frames: &[(f64, bool)], turning: bool) -> f64 {
+/// Median of the frames that are wanted.
+///
+/// # Errors
+/// Where there is none: an eye that should turn stood still, or the other way round.
+fn median_of(frames: &[(f64, bool)], turning: bool) -> Result<f64, BenchError> {
     let mut chosen: Vec<f64> = frames
         .iter()
         .filter(|(_, turned)| *turned == turning)
         .map(|(ms, _)| *ms)
         .collect();
     if chosen.is_empty() {
-        chosen = frames.iter().map(|(ms, _)| *ms).collect();
+        return Err(BenchError::NoSuchFrame(turning));
     }
-    median(&mut chosen)
+    Ok(median(&mut chosen))
 }
 
 /// Measures an eye, by itself, over `count` frames of each kind.
@@ -176,26 +179,26 @@ pub fn eye(session: Session, count: usize) -> Result<EyeCost, BenchError> {
     };
     // The first frames fill caches.
     run(&mut headless, true);
-    let turning = median_of(&run(&mut headless, true), true);
+    let turning = median_of(&run(&mut headless, true), true)?;
     look(&mut headless, 0.0);
     run(&mut headless, false);
-    let still = median_of(&run(&mut headless, false), false);
+    let still = median_of(&run(&mut headless, false), false)?;
     headless.show([false, false]);
     run(&mut headless, true);
-    let hidden_turning = median_of(&run(&mut headless, true), true);
+    let hidden_turning = median_of(&run(&mut headless, true), true)?;
     look(&mut headless, 0.0);
     run(&mut headless, false);
-    let hidden = median_of(&run(&mut headless, false), false);
+    let hidden = median_of(&run(&mut headless, false), false)?;
     let paused = |headless: &mut Headless| {
         let frames = frames(headless, &stopwatch, count, |headless, _| {
             headless.stand_still();
         });
         median_of(&frames, false)
     };
-    let hidden_paused = paused(&mut headless);
+    let hidden_paused = paused(&mut headless)?;
     headless.show([true, false]);
-    paused(&mut headless);
-    let paused_ms = paused(&mut headless) - hidden_paused;
+    paused(&mut headless)?;
+    let paused_ms = paused(&mut headless)? - hidden_paused;
     Ok(EyeCost {
         nothing_shown_ms: hidden,
         turning_ms: turning - hidden_turning,
@@ -217,17 +220,13 @@ pub fn crowd(people: usize, count: usize) -> Result<CrowdCost, BenchError> {
     }
     let mut headless = Headless::of(app)?;
     let mut times = Vec::new();
-    let mut place_deg = 12.0;
-    for frame in 0..count + 20 {
-        if frame % TURN_EVERY == 0 {
-            place_deg = -place_deg;
-            look(&mut headless, place_deg);
-        }
-        let at = Instant::now();
-        headless.go_to(1.0 + frame as f64 / 60.0);
-        headless.finish_frame();
-        if frame >= 20 {
-            times.push(at.elapsed().as_secs_f64() * 1e3);
+    // A saccade each; the first of them warms up.
+    for turn in 0..=count.div_ceil(TURN_EVERY) {
+        look(&mut headless, if turn % 2 == 0 { -12.0 } else { 12.0 });
+        let from_s = 1.0 + (turn * TURN_EVERY) as f64 / 60.0;
+        let turned = time_frames(&mut headless, from_s, TURN_EVERY);
+        if turn > 0 {
+            times.extend(turned);
         }
     }
     let world = headless.world();
@@ -286,19 +285,9 @@ pub fn views(cameras: usize, count: usize) -> Result<ViewsCost, BenchError> {
         ));
     }
     let mut headless = Headless::of(app)?;
-    let mut times = Vec::new();
-    let mut before = headless.work();
-    for frame in 0..count + 20 {
-        if frame == 20 {
-            before = headless.work();
-        }
-        let at = Instant::now();
-        headless.go_to(1.0 + frame as f64 / 60.0);
-        headless.finish_frame();
-        if frame >= 20 {
-            times.push(at.elapsed().as_secs_f64() * 1e3);
-        }
-    }
+    time_frames(&mut headless, 0.0, 20);
+    let before = headless.work();
+    let mut times = time_frames(&mut headless, 1.0, count);
     let work = headless.work().since(before);
     Ok(ViewsCost {
         cameras,

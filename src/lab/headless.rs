@@ -9,7 +9,7 @@ use crate::frame::{Drive, Panel, SimulationClock, device_settings};
 use crate::motion::GazeController;
 use crate::motion::engine::OculomotorState;
 use crate::percept::{Percept, PerceptFrame, ViewOptions};
-use crate::stage::{Head, HeadPath, Session, SessionCommand, Stage, StagePlugin};
+use crate::stage::{Head, Session, SessionCommand, Stage, StagePlugin};
 use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -305,11 +305,6 @@ impl Headless {
     /// Puts the camera before the eye somewhere.
     pub fn set_orbit(&mut self, orbit: EyeOrbit) {
         self.put(Which::Eye, orbit);
-    }
-
-    /// Lets the head go on a path.
-    pub fn set_head_path(&mut self, path: HeadPath) {
-        self.put(Which::View, path);
     }
 
     /// Puts the head somewhere.

@@ -32,6 +32,7 @@ pub mod psf;
 pub mod pupil;
 pub mod ray_trace;
 pub mod refraction_function;
+pub mod root;
 pub mod schematic_eye;
 pub mod snell;
 pub mod stiles_crawford;

@@ -48,8 +48,7 @@ impl Plugin for PerceptPlugin {
             .add_observer(sees_as::dismiss_presenters)
             .add_systems(
                 Update,
-                (view::receive, view::start_unseen)
-                    .chain()
+                view::receive
                     .in_set(EyeSystems::Sense)
                     .before(crate::frame::EyeCommands),
             )

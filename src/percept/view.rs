@@ -228,12 +228,13 @@ pub(super) fn receive(
     mut views: Query<(&SeesAs, &Worn, &mut Percept, Option<&Panel>)>,
     mut people: Query<(&GazeController, Option<&mut Candidates>)>,
     mut has_come: Local<bool>,
+    readiness: Res<Readiness>,
     finder: EyeFinder,
     mut clock: ResMut<SimulationClock>,
     mut commands: Commands,
 ) {
     let mut told = HashSet::new();
-    let mut is_waiting = false;
+    let (mut is_waiting, mut can_see) = (false, false);
     for (sees, worn, mut percept, panel) in &mut views {
         if let Some(result) = percept.returned.take()
             && result.serial > percept.captured.serial
@@ -267,24 +268,15 @@ pub(super) fn receive(
                 }
             }
         }
-        // Only of who can see an answer will come.
-        is_waiting |= percept.is_new
-            && panel.is_none_or(|panel| panel.visible)
-            && worn.size() != UVec2::ZERO
-            && finder.find(sees.0).is_some();
+        // A view of nobody, or of no size, has no answer to wait for.
+        let sees_something = worn.size() != UVec2::ZERO && finder.find(sees.0).is_some();
+        can_see |= sees_something;
+        is_waiting |= sees_something && percept.is_new && panel.is_none_or(|panel| panel.visible);
     }
-    if *has_come && !is_waiting {
-        clock.ready = true;
-    }
-}
-
-/// A world in which nobody sees has nothing to wait for but its pipelines.
-pub(super) fn start_unseen(
-    views: Query<(), With<SeesAs>>,
-    readiness: Res<Readiness>,
-    mut clock: ResMut<SimulationClock>,
-) {
-    if !clock.ready && views.is_empty() && readiness.quiet_frames() >= QUIET_FRAMES {
+    // Where nobody can see there are only the pipelines to wait for.
+    let is_blind = !can_see && readiness.quiet_frames() >= QUIET_FRAMES;
+    if (*has_come && !is_waiting) || is_blind {
+        *has_come = false;
         clock.ready = true;
     }
 }

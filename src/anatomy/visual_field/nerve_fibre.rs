@@ -6,9 +6,13 @@
 //! coordinates about the disc at (15, 2)°; the y axis is bent by 2(x/15)² on the nasal side, so
 //! that the line from disc to fovea and on to the raphe is straight.
 
+use crate::optics::root::illinois;
+
 /// Angle at the disc, °, between which and its negative fibres run straight (they are not
 /// described by the paper, and serve the temporal field).
 const STRAIGHT_WITHIN_DEG: f64 = 60.0;
+/// An angle that is this far from the one that is sought counts as this far, °.
+const FAR_OFF_DEG: f64 = 30.0;
 /// Radius of the disc's border, °.
 const DISC_RADIUS_DEG: f64 = 4.0;
 
@@ -64,38 +68,15 @@ pub fn bundle_of(x_deg: f64, y_deg: f64) -> Bundle {
     }
 }
 
-/// Entry angle whose path passes through `polar`, by regula falsi in its Illinois form. Bundles do
-/// not cross, so the polar angle grows with the entry angle; a dozen steps leave less than 1e-6°.
+/// Entry angle whose path passes through `polar`. Bundles do not cross, so the polar angle grows with
+/// the entry angle; a dozen steps leave less than 1e-6°.
 fn entry_angle_deg(polar: f64, sign: f64, distance_deg: f64) -> f64 {
-    let excess = |angle: f64| path_angle_deg(sign * angle, distance_deg).abs() - polar.abs();
-    let (mut low, mut high) = (STRAIGHT_WITHIN_DEG, 180.0);
-    let (mut below, mut above) = (excess(low), excess(high));
-    let mut last_side = 0.0;
-    for _ in 0..40 {
-        // Long paths make the far end explode; halving first keeps the secant honest.
-        let middle = if above > 30.0 {
-            0.5 * (low + high)
-        } else {
-            low + (high - low) * below / (below - above)
-        };
-        let value = excess(middle);
-        if value.abs() < 1e-7 || high - low < 1e-7 {
-            return sign * middle;
-        }
-        if value < 0.0 {
-            (low, below) = (middle, value);
-            if last_side < 0.0 {
-                above *= 0.5;
-            }
-        } else {
-            (high, above) = (middle, value);
-            if last_side > 0.0 {
-                below *= 0.5;
-            }
-        }
-        last_side = value;
-    }
-    sign * 0.5 * (low + high)
+    // Long paths make the far end explode; what is far off is far off.
+    let excess = |angle: f64| {
+        (path_angle_deg(sign * angle, distance_deg).abs() - polar.abs()).min(FAR_OFF_DEG)
+    };
+    let ends = [STRAIGHT_WITHIN_DEG, 180.0].map(|angle| (angle, excess(angle)));
+    sign * illinois(ends[0], ends[1], 1e-7, excess)
 }
 
 #[cfg(test)]
