@@ -37,8 +37,7 @@ struct Globe {
 // Diffuse reflectance of the iris: u stromal path, v melanin of the border layer.
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var reflectance_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var reflectance_sampler: sampler;
-// Two lamps side by side over the iris plane: xy towards the light inside the eye, z irradiance,
-// w radius (mm) at which the light enters the cornea.
+// Light on the iris plane by its obliquity, see iris_light.
 @group(#{MATERIAL_BIND_GROUP}) @binding(7) var light_table: texture_2d<f32>;
 
 fn head_from_eye() -> mat3x3f {
@@ -54,8 +53,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     }
     let iris = IrisFrame(globe.iris.y, globe.iris.z, globe.iris.w, globe.options.w, globe.pupil.xy);
     let place = iris_place(trace.point.xy, iris);
-    let facing = head_from_eye() * vec3f(0.0, 0.0, -1.0);
-    let lit = iris_radiance(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.studio, facing, trace.point.xy, trace.direction, place, footprint, shade);
+    let lit = iris_radiance(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.studio, head_from_eye(), trace.point.xy, trace.direction, place, footprint, shade);
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens.rgb;
 #ifdef CLOUDED

@@ -27,7 +27,7 @@ fn iris_openness(height: f32) -> f32 {
 }
 
 // Radiance of the iris where a refracted ray lands at `point` of its plane, `start` being that point's
-// place in the map. `facing` is the direction out of the eye in the head frame.
+// place in the map.
 fn iris_radiance(
     map: texture_2d<f32>,
     polar: sampler,
@@ -36,7 +36,7 @@ fn iris_radiance(
     linear: sampler,
     iris: IrisFrame,
     studio: Studio,
-    facing: vec3f,
+    head_from_eye: mat3x3f,
     point: vec2f,
     direction: vec3f,
     start: IrisPlace,
@@ -51,15 +51,16 @@ fn iris_radiance(
     let normal = relief_normal(map, polar, place, texel.height, footprint, lod, iris.relief);
     let view_cosine = max(-dot(normal, direction), 0.2);
 
-    let key = iris_light(light_table, linear, 0.0, point + moved, iris.root, iris.limbus);
-    let fill = iris_light(light_table, linear, 1.0, point + moved, iris.root, iris.limbus);
+    // A row times the turn into the head is the column times the turn out of it.
+    let key = iris_light(light_table, linear, studio.key_direction.xyz * head_from_eye, point + moved, iris.root, iris.limbus);
+    let fill = iris_light(light_table, linear, studio.fill_direction.xyz * head_from_eye, point + moved, iris.root, iris.limbus);
     let shadow = relief_shadow(map, polar, place, texel.height, key.xyz, lod);
     let path = iris_path(texel.thickness, key.z, view_cosine);
     let reflectance = textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, texel.melanin), 0.0).rgb;
 
     var light = studio.key_color.rgb * (key.w * relief_gain(normal, key.xyz) * shadow * shade.key);
     light += studio.fill_color.rgb * (fill.w * relief_gain(normal, fill.xyz) * shade.sky);
-    light += studio_ambient(studio, facing) * (iris_openness(texel.height) * shade.sky * 0.92);
+    light += studio_ambient(studio, -head_from_eye[2]) * (iris_openness(texel.height) * shade.sky * 0.92);
     return iris_edges(reflectance * light, place.uv.y);
 }
 

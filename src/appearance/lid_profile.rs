@@ -143,8 +143,14 @@ pub fn column_profile(
 
 /// The smooth skin line from the lash line to the border, before folds.
 struct SkinPath<'a> {
-    start: Vec3,
-    end: Vec3,
+    /// Unit vectors towards both ends, the angle between them (rad) and its sine.
+    from: Vec3,
+    to: Vec3,
+    angle: f32,
+    sine: f32,
+    /// Height of the start over the globe, and distance of the end from its centre, mm.
+    excess: f32,
+    end: f32,
     length: f32,
     power: f32,
     thickness: f32,
@@ -166,9 +172,15 @@ impl<'a> SkinPath<'a> {
         let length = (angle * 0.5 * (start.length() + end.length()))
             .hypot(end.length() - start.length())
             .max(1.0);
+        let (from, to) = (start.normalize_or_zero(), end.normalize_or_zero());
+        let bent = from.angle_between(to).max(1e-4);
         let mut path = Self {
-            start,
-            end,
+            from,
+            to,
+            angle: bent,
+            sine: bent.sin().max(1e-4),
+            excess: start.length() - globe_radius(from),
+            end: end.length(),
             length,
             // Skin under tension cuts the corner above the globe; below, it runs straight to the cheek.
             power: 1.4 + 0.9 * pose.lowered() - 0.15 * column.lower_weight(),
@@ -191,14 +203,11 @@ impl<'a> SkinPath<'a> {
     }
 
     fn raw(&self, v: f32) -> Vec3 {
-        let (from, to) = (self.start.normalize_or_zero(), self.end.normalize_or_zero());
-        let angle = from.angle_between(to).max(1e-4);
-        let at =
-            (from * ((1.0 - v) * angle).sin() + to * (v * angle).sin()) / angle.sin().max(1e-4);
+        let at = (self.from * ((1.0 - v) * self.angle).sin() + self.to * (v * self.angle).sin())
+            / self.sine;
         let at = at.normalize_or_zero();
-        let excess = self.start.length() - (self.globe_radius)(from);
-        let low = (self.globe_radius)(at) + excess;
-        at * (low + (self.end.length() - low) * v.powf(self.power))
+        let low = (self.globe_radius)(at) + self.excess;
+        at * (low + (self.end - low) * v.powf(self.power))
     }
 
     fn at(&self, v: f32) -> Vec3 {

@@ -176,8 +176,6 @@ pub fn light_eyes(
             continue;
         }
         parts.studio = Some(studio);
-        // The lamps' light through the cornea is worked out again.
-        parts.head_from_eye = None;
         for (_, material) in &parts.globe {
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.globe.studio = studio;

@@ -7,16 +7,14 @@
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
-use super::images::map_image;
 use super::lashes::Lashes;
-use super::light_table::{LAMPS, LightTable, SIDE};
 use super::materials::{
     GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
     MeniscusUniform, SkinMaterial, SkinUniform, Studio,
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::tissue_maps::{
-    iris_image, light_settings, reflectance_image, sclera_image, skin_albedo, skin_image,
+    iris_image, light_image, reflectance_image, sclera_image, skin_albedo, skin_image,
     static_uniform,
 };
 use crate::anatomy::{
@@ -83,7 +81,6 @@ pub struct EyeParts {
     pub(super) studio: Option<Studio>,
     pub(super) media: Option<OcularMedia>,
     pub(super) globe: Vec<(Entity, Handle<GlobeMaterial>)>,
-    pub(super) lights: Option<(LightTable, Handle<Image>)>,
     pub(super) skin: Handle<Mesh>,
     pub(super) skin_material: Handle<SkinMaterial>,
     pub(super) lash_mesh: Handle<Mesh>,
@@ -298,6 +295,7 @@ impl Builder<'_, '_, '_, '_> {
             images.add(iris_image(anatomy, fine)),
             images.add(sclera_image(anatomy, fine)),
             images.add(reflectance_image(anatomy.iris)),
+            images.add(light_image(anatomy.cornea, anatomy.iris)),
         ];
         self.ledger.bytes_uploaded(
             maps.iter()
@@ -305,15 +303,7 @@ impl Builder<'_, '_, '_, '_> {
                 .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
                 .sum(),
         );
-        let [iris_map, sclera_map, reflectance_map] = maps;
-        let light_table = images.add(map_image(
-            &[(
-                (LAMPS * SIDE) as u32,
-                SIDE as u32,
-                vec![[0.0; 4]; LAMPS * SIDE * SIDE],
-            )],
-            false,
-        ));
+        let [iris_map, sclera_map, reflectance_map, light_table] = maps;
         let uniform = static_uniform(anatomy, shape, studio);
         parts.globe.clear();
         for (part, mesh) in [GlobePart::Cornea, GlobePart::Sclera]
@@ -339,8 +329,6 @@ impl Builder<'_, '_, '_, '_> {
             ));
             parts.globe.push((entity.id(), material));
         }
-        let table = LightTable::new(light_settings(anatomy.cornea, anatomy.iris));
-        parts.lights = Some((table, light_table));
     }
 
     fn skin(&mut self, anatomy: &Anatomy<'_>, studio: Studio, seed: u64, parts: &mut EyeParts) {

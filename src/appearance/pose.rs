@@ -1,13 +1,11 @@
 //! Eyes in the world follow their owners: globe and pupil, lids, lashes and tears.
 
 use super::face_region::LidPose;
-use super::images::map_image;
-use super::light_table::{LAMPS, SIDE};
+use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
 use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, OcularMedia, Pupil};
 use crate::frame::ledger::WorkLedger;
-use bevy::math::DVec3;
 use bevy::prelude::*;
 
 /// What of an eye moves its globe.
@@ -24,7 +22,6 @@ pub fn move_eyes(
     mut models: Query<(&mut EyeParts, &Visibility)>,
     mut transforms: Query<&mut Transform>,
     mut assets: EyeAssets,
-    ledger: Res<WorkLedger>,
 ) {
     for (mut parts, visibility) in &mut models {
         let Some(Ok((eye, gaze, pupil, iris))) = parts.eye.map(|eye| eyes.get(eye)) else {
@@ -35,16 +32,23 @@ pub fn move_eyes(
         }
         let rotation = gaze.globe_rotation(eye);
         let radius = (pupil.diameter_mm * 0.5) as f32;
-        let turned = parts.head_from_eye != Some(rotation);
-        if !turned && parts.pupil_radius_mm == radius {
+        if parts.head_from_eye == Some(rotation) && parts.pupil_radius_mm == radius {
             continue;
         }
         // From here on the picture of it changes.
         let parts = &mut *parts;
-        parts.head_from_eye = Some(rotation);
+        let turned = parts.head_from_eye.replace(rotation) != Some(rotation);
         parts.pupil_radius_mm = radius;
         let nasal = -side(eye.laterality);
         for (entity, material) in &parts.globe {
+            let is_sclera = assets
+                .globes
+                .get(material)
+                .is_some_and(|material| material.part == GlobePart::Sclera);
+            // No pupil is seen through a sclera.
+            if is_sclera && !turned {
+                continue;
+            }
             if let Ok(mut transform) = transforms.get_mut(*entity) {
                 *transform =
                     Transform::from_rotation(rotation).with_scale(Vec3::splat(METRES_A_MM));
@@ -55,9 +59,6 @@ pub fn move_eyes(
                 material.globe.pupil.x = nasal * iris.pupil_decentration_mm[0] as f32;
                 material.globe.pupil.y = iris.pupil_decentration_mm[1] as f32;
             }
-        }
-        if turned {
-            light_iris(parts, rotation, &mut assets, &ledger);
         }
     }
 }
@@ -85,29 +86,6 @@ pub fn cloud_lenses(
                 material.globe.options.x = 0.5 * media.subcapsular_mm as f32;
             }
         }
-    }
-}
-
-/// Works out the lamps' light through the cornea anew.
-fn light_iris(parts: &mut EyeParts, rotation: Quat, assets: &mut EyeAssets, ledger: &WorkLedger) {
-    let studio = parts.studio.unwrap_or_default();
-    let Some((lights, table)) = &mut parts.lights else {
-        return;
-    };
-    let eye_from_head = rotation.inverse();
-    lights.settings.lamps = [studio.key_direction, studio.fill_direction].map(|lamp| {
-        (eye_from_head * lamp.truncate())
-            .as_dvec3()
-            .normalize_or(DVec3::NEG_Z)
-    });
-    let level = ((LAMPS * SIDE) as u32, SIDE as u32, lights.texels());
-    // Under the same handle: the materials, changed before, bind the new texture.
-    if assets
-        .images
-        .insert(table.id(), map_image(&[level], false))
-        .is_ok()
-    {
-        ledger.bytes_uploaded((LAMPS * SIDE * SIDE * 8) as u64);
     }
 }
 
@@ -155,9 +133,8 @@ pub fn move_lids(
             laterality: crate::anatomy::Laterality::OD,
             ..eye.clone()
         };
-        let eye_from_head = mirrored.globe_rotation(&right).inverse();
-        let globe_radius =
-            |direction: Vec3| shape.radius_along((eye_from_head * direction).as_dvec3()) as f32;
+        let axis = mirrored.globe_rotation(&right) * Vec3::NEG_Z;
+        let globe_radius = |direction: Vec3| shape.radius_at(axis.dot(direction).into()) as f32;
         region.pose(&pose, &globe_radius, &mut parts.posed);
         parts.lids = lid_heights(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 

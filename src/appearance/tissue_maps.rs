@@ -2,7 +2,7 @@
 
 use super::images::{map_image, mip_chain};
 use super::iris_map::{IrisMap, IrisMapSettings};
-use super::light_table::{LAMPS, LightTableSettings};
+use super::light_table::{LightTableSettings, LightTableSize};
 use super::materials::{GlobeUniform, LidHeights, Studio};
 use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
@@ -10,7 +10,7 @@ use crate::anatomy::{Cornea, Iris};
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
 use bevy::image::Image;
-use bevy::math::{DVec2, DVec3, Mat4, Vec3, Vec4};
+use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
 /// Albedo (linear sRGB) of skin from very light (0) to very dark (1).
 pub(super) fn skin_albedo(tone: f64) -> Vec3 {
@@ -65,16 +65,16 @@ pub(super) fn skin_image(seed: u64) -> Image {
     }
     image
 }
-/// The studio's lamps as the light table wants them; their directions are set when the eye turns.
-pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
-    LightTableSettings {
+/// Where light of every obliquity enters this cornea and how strongly it arrives at its iris.
+pub(super) fn light_image(cornea: &Cornea, iris: &Iris) -> Image {
+    let settings = LightTableSettings {
         surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
         index: cornea.aqueous_index,
         iris_z: iris.depth_mm,
         root_mm: iris.root_radius_mm,
         limbus_mm: cornea.limbus_radius_mm,
-        lamps: [DVec3::NEG_Z; LAMPS],
-    }
+    };
+    map_image(&[settings.table(LightTableSize::PICTURE)], false)
 }
 pub(super) fn sclera_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
     let eye = anatomy.eye;

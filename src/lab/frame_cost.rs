@@ -9,6 +9,7 @@ use super::bench::{BenchError, time_frames};
 use super::headless::{Headless, plugins};
 use super::render::median;
 use crate::anatomy::Gaze;
+use crate::appearance::EyeCamera;
 use crate::frame::Panel;
 use crate::frame::panel::target_image;
 use crate::motion::MotionCommand;
@@ -17,6 +18,7 @@ use crate::patients::load_patient;
 use crate::percept::SeesAs;
 use crate::plugins::OculariumPlugins;
 use crate::stage::Session;
+use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Hdr, RenderTarget};
 use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::math::UVec2;
@@ -30,6 +32,10 @@ use std::time::Instant;
 const SIDE: u32 = 64;
 /// A frame in which the gaze has changed by more than this, °, is one in which the eye turns.
 const TURNING_DEG: f64 = 0.2;
+/// Parts of an eye that are drawn: two of the globe, skin, lashes, brow and tears.
+const EYE_PARTS: usize = 6;
+/// A layer on which nothing else is.
+const PLAIN_LAYER: usize = 29;
 /// Frames of a sixtieth of a second between two commands to look elsewhere: a saccade begins 0.2 s
 /// after its command.
 const TURN_EVERY: usize = 20;
@@ -43,8 +49,17 @@ pub struct EyeCost {
     pub turning_ms: f64,
     /// Added by one that looks at one place while time runs: its pupil is never at rest.
     pub still_ms: f64,
+    /// The same two where its camera is awake as before, but no part of the eye is on its layers: all
+    /// that an eye needs is worked out and handed to the device, and only the drawing is missing, after
+    /// which a software rasteriser leaves cold caches to everything else.
+    pub turning_undrawn_ms: f64,
+    /// See [`Self::turning_undrawn_ms`].
+    pub still_undrawn_ms: f64,
     /// Added by one whose time stands.
     pub paused_ms: f64,
+    /// Added by a camera of Bevy's that draws as many plain meshes every frame, one of whose materials
+    /// changes: what no eye that is drawn can do without.
+    pub plain_meshes_ms: f64,
 }
 
 /// A frame of people that nobody draws.
@@ -158,6 +173,46 @@ fn median_of(frames: &[(f64, bool)], turning: bool) -> Result<f64, BenchError> {
     Ok(median(&mut chosen))
 }
 
+/// Gives the eye's camera other layers; returns those that it had.
+fn swap_layers(headless: &mut Headless, layers: RenderLayers) -> RenderLayers {
+    let world = headless.world();
+    let mut cameras = world.query_filtered::<&mut RenderLayers, With<EyeCamera>>();
+    cameras
+        .iter_mut(world)
+        .map(|mut of| std::mem::replace(&mut *of, layers.clone()))
+        .next()
+        .unwrap_or(layers)
+}
+
+/// As many boxes as an eye has parts, before a camera of their own; the material of one of them.
+fn spawn_plain_meshes(headless: &mut Headless) -> Handle<StandardMaterial> {
+    let world = headless.world();
+    let image = world
+        .resource_mut::<Assets<Image>>()
+        .add(target_image(UVec2::splat(SIDE)));
+    let layers = RenderLayers::layer(PLAIN_LAYER);
+    world.spawn((
+        Camera3d::default(),
+        Msaa::Off,
+        RenderTarget::Image(image.into()),
+        Transform::from_xyz(0.0, 0.0, 5.0),
+        layers.clone(),
+    ));
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::default());
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    let own: Vec<_> = (0..EYE_PARTS)
+        .map(|_| materials.add(Color::WHITE))
+        .collect();
+    for material in &own {
+        world.spawn((
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(material.clone()),
+            layers.clone(),
+        ));
+    }
+    own[0].clone()
+}
+
 /// Measures an eye, by itself, over `count` frames of each kind.
 ///
 /// # Errors
@@ -178,17 +233,19 @@ pub fn eye(session: Session, count: usize) -> Result<EyeCost, BenchError> {
         })
     };
     // The first frames fill caches.
-    run(&mut headless, true);
-    let turning = median_of(&run(&mut headless, true), true)?;
-    look(&mut headless, 0.0);
-    run(&mut headless, false);
-    let still = median_of(&run(&mut headless, false), false)?;
+    let mut both = |headless: &mut Headless| -> Result<(f64, f64), BenchError> {
+        run(headless, true);
+        let turning = median_of(&run(headless, true), true)?;
+        look(headless, 0.0);
+        run(headless, false);
+        Ok((turning, median_of(&run(headless, false), false)?))
+    };
+    let (turning, still) = both(&mut headless)?;
+    let layers = swap_layers(&mut headless, RenderLayers::none());
+    let (turning_undrawn, still_undrawn) = both(&mut headless)?;
+    swap_layers(&mut headless, layers);
     headless.show([false, false]);
-    run(&mut headless, true);
-    let hidden_turning = median_of(&run(&mut headless, true), true)?;
-    look(&mut headless, 0.0);
-    run(&mut headless, false);
-    let hidden = median_of(&run(&mut headless, false), false)?;
+    let (hidden_turning, hidden) = both(&mut headless)?;
     let paused = |headless: &mut Headless| {
         let frames = frames(headless, &stopwatch, count, |headless, _| {
             headless.stand_still();
@@ -199,11 +256,29 @@ pub fn eye(session: Session, count: usize) -> Result<EyeCost, BenchError> {
     headless.show([true, false]);
     paused(&mut headless)?;
     let paused_ms = paused(&mut headless)? - hidden_paused;
+    headless.show([false, false]);
+    let material = spawn_plain_meshes(&mut headless);
+    let mut plain = |headless: &mut Headless| {
+        let frames = frames(headless, &stopwatch, count, |headless, frame| {
+            let mut materials = headless.world().resource_mut::<Assets<StandardMaterial>>();
+            if let Some(mut material) = materials.get_mut(&material) {
+                material.perceptual_roughness = 0.3 + 0.1 * (frame % 5) as f32;
+            }
+            time_s += 1.0 / 60.0;
+            headless.go_to(time_s);
+        });
+        median_of(&frames, false)
+    };
+    plain(&mut headless)?;
+    let plain_meshes_ms = plain(&mut headless)? - hidden;
     Ok(EyeCost {
         nothing_shown_ms: hidden,
         turning_ms: turning - hidden_turning,
         still_ms: still - hidden,
+        turning_undrawn_ms: turning_undrawn - hidden_turning,
+        still_undrawn_ms: still_undrawn - hidden,
         paused_ms,
+        plain_meshes_ms,
     })
 }
 

@@ -55,17 +55,14 @@ pub struct GlobeShape {
     cornea: DVec2,
     limbus_radius_mm: f64,
     blend_mm: f64,
+    /// Cosine to the axis below which the surface is the scleral sphere and nothing else.
+    scleral_cosine: f64,
 }
 
 impl Default for GlobeShape {
     /// The schematic eye: sphere 11.5 mm, cornea R 7.8 mm and p 0.75, limbus 5.85 mm.
     fn default() -> Self {
-        Self {
-            sclera_radius_mm: 11.5,
-            cornea: super::cornea::ANTERIOR_CORNEA,
-            limbus_radius_mm: 5.85,
-            blend_mm: LIMBUS_BLEND_MM,
-        }
+        Self::of(11.5, super::cornea::ANTERIOR_CORNEA, 5.85)
     }
 }
 
@@ -118,12 +115,32 @@ impl GlobeShape {
                 sclera_radius_mm,
             });
         }
-        Ok(Self {
+        Ok(Self::of(
             sclera_radius_mm,
-            cornea: DVec2::new(cornea_radius_mm, shape_factor),
+            DVec2::new(cornea_radius_mm, shape_factor),
+            limbus_radius_mm,
+        ))
+    }
+
+    fn of(sclera_radius_mm: f64, cornea: DVec2, limbus_radius_mm: f64) -> Self {
+        let mut shape = Self {
+            sclera_radius_mm,
+            cornea,
             limbus_radius_mm,
             blend_mm: LIMBUS_BLEND_MM,
-        })
+            scleral_cosine: -1.0,
+        };
+        // From the back to the front, for as long as there is no cornea.
+        const STEPS: u32 = 360;
+        let cosine = |step: u32| (core::f64::consts::PI * f64::from(step) / f64::from(STEPS)).cos();
+        let is_scleral = |step: &u32| {
+            let cosine = cosine(*step);
+            shape.radius_at(cosine) == sclera_radius_mm
+        };
+        let clear = (0..=STEPS).rev().take_while(is_scleral).last();
+        // The border lies before the last step that has no cornea.
+        shape.scleral_cosine = clear.map_or(-1.0, cosine);
+        shape
     }
 
     /// Radius of the scleral sphere (mm).
@@ -165,8 +182,17 @@ impl GlobeShape {
     /// frame (need not be of unit length; a null vector counts as straight ahead). One derivative
     /// is continuous everywhere.
     pub fn radius_along(&self, direction: DVec3) -> f64 {
+        self.radius_at(-direction.normalize_or(DVec3::NEG_Z).z)
+    }
+
+    /// The same along any direction whose angle to the axis has this cosine: the globe is round.
+    pub fn radius_at(&self, cosine: f64) -> f64 {
+        if cosine < self.scleral_cosine {
+            return self.sclera_radius_mm;
+        }
+        let cosine = cosine.min(1.0);
         globe_radius_along(
-            direction.normalize_or(DVec3::NEG_Z),
+            DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, -cosine),
             self.sclera_radius_mm,
             self.cornea,
             self.limbus_radius_mm,
@@ -222,6 +248,28 @@ pub fn globe_apex_distance(sclera_radius: f64, cornea: DVec2, limbus_radius: f64
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_short_way_over_the_sclera_is_the_whole_one() {
+        for (sclera, radius, p, limbus) in [
+            (11.5, 7.8, 0.75, 5.85),
+            (10.0, 6.5, -0.4, 5.0),
+            (13.5, 8.4, 1.2, 6.4),
+            (12.0, 7.0, 0.0, 5.5),
+        ] {
+            let shape = GlobeShape::new(sclera, radius, p, limbus).expect("an eye");
+            // Most of a globe is sclera.
+            assert!(shape.scleral_cosine > 0.7, "{shape:?}");
+            for step in 0..=1800 {
+                let direction = direction(0.1 * f64::from(step));
+                let whole =
+                    globe_radius_along(direction, sclera, shape.cornea, limbus, shape.blend_mm);
+                // The cosine and its sine are rounded once more, and near grazing digits are lost.
+                let off = (shape.radius_along(direction) - whole).abs();
+                assert!(off < 1e-12, "{shape:?} {step}: {off}");
+            }
+        }
+    }
 
     fn direction(degrees: f64) -> DVec3 {
         let (sin, cos) = degrees.to_radians().sin_cos();

@@ -7,7 +7,7 @@ use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use ocularium::appearance::iris_map::{IrisMap, IrisMapSettings};
-use ocularium::appearance::light_table::{LAMPS, LightTable, LightTableSettings, SIDE};
+use ocularium::appearance::light_table::{LightTableSettings, LightTableSize};
 use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
 use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
 use ocularium::appearance::shading::iris_shade::{self, IrisMaps};
@@ -105,19 +105,16 @@ fn sclera() {
 }
 
 fn light_table() -> Map {
-    let lamp = |x: f64, y: f64| DVec3::new(x, y, -1.0).normalize();
     let settings = LightTableSettings {
         surface: DVec2::new(7.8, 0.75),
         index: 1.336,
         iris_z: 3.6,
         root_mm: 6.05,
         limbus_mm: 5.85,
-        lamps: [lamp(0.6, 0.7), lamp(-1.1, -0.1)],
     };
-    let texels = LightTable::new(settings).texels();
     Map {
         name: "light_table",
-        levels: vec![((LAMPS * SIDE) as u32, SIDE as u32, texels)],
+        levels: vec![settings.table(LightTableSize::PICTURE)],
         wrap: false,
     }
 }
@@ -279,9 +276,10 @@ fn the_light_of_the_iris() {
     };
     let call = format!(
         "{IRIS} let d = vec3f(x[8], x[9], x[10]); let e = LidShade(x[16], x[17], x[18], x[19]); let s = Studio({}); \
+         let turn = mat3x3f(0.96, 0.0, 0.28, 0.0, 1.0, 0.0, -0.28, 0.0, 0.96); \
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
          let c = iris_radiance(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, \
-         iris, s, vec3f(0.0, 0.0, -1.0), p, d, q, x[14], e); {RGB_OUT} y[3] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;",
+         iris, s, turn, p, d, q, x[14], e); {RGB_OUT} y[3] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;",
         vec4s(20, 6)
     );
     pass_unless_off(
@@ -307,7 +305,12 @@ fn the_light_of_the_iris() {
                     &views,
                     &iris_of(x),
                     &studio_of(&x[20..]),
-                    DVec3::NEG_Z,
+                    // The same turn about y as in the call: columns.
+                    DMat3::from_cols(
+                        DVec3::new(0.96, 0.0, 0.28),
+                        DVec3::Y,
+                        DVec3::new(-0.28, 0.0, 0.96),
+                    ),
                     p,
                     v3(&x[8..]),
                     &start,

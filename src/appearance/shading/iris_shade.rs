@@ -10,7 +10,7 @@ use super::{smoothstep, xyz};
 use crate::appearance::images::MapView;
 use crate::appearance::light_table::iris_light;
 use crate::appearance::materials::Studio;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, Vec4};
 
 /// Longest path (mm) of the reflectance map.
 pub const IRIS_PATH_MAX_MM: f64 = 2.5;
@@ -48,13 +48,13 @@ pub fn iris_openness(height: f64) -> f64 {
 }
 
 /// Radiance of the iris where a refracted ray lands at `point` of its plane, `start` being that point's
-/// place in the map. `facing` is the direction out of the eye in the head frame.
+/// place in the map.
 #[expect(clippy::too_many_arguments, reason = "the shader's own arguments")]
 pub fn iris_radiance(
     maps: &IrisMaps,
     iris: &IrisFrame,
     studio: &Studio,
-    facing: DVec3,
+    head_from_eye: DMat3,
     point: DVec2,
     direction: DVec3,
     start: &IrisPlace,
@@ -79,8 +79,15 @@ pub fn iris_radiance(
     );
     let view_cosine = (-normal.dot(direction)).max(0.2);
 
-    let light_of = |lamp| iris_light(&maps.light, lamp, point + moved, iris.root, iris.limbus);
-    let (key, fill) = (light_of(0), light_of(1));
+    let eye_from_head = head_from_eye.transpose();
+    let light_of = |lamp: Vec4| {
+        let light = eye_from_head * xyz(lamp);
+        iris_light(&maps.light, light, point + moved, iris.root, iris.limbus)
+    };
+    let (key, fill) = (
+        light_of(studio.key_direction),
+        light_of(studio.fill_direction),
+    );
     let shadow = relief_shadow(&maps.relief, &place, texel.height, key.truncate(), lod);
     let path = iris_path(texel.thickness, key.z, view_cosine);
     let at = DVec2::new(path / IRIS_PATH_MAX_MM, texel.melanin);
@@ -91,7 +98,7 @@ pub fn iris_radiance(
     let open = iris_openness(texel.height) * shade.sky * 0.92;
     let light = xyz(studio.key_color) * key_gain
         + xyz(studio.fill_color) * fill_gain
-        + studio_ambient(studio, facing) * open;
+        + studio_ambient(studio, -head_from_eye.z_axis) * open;
     iris_edges(DVec3::new(r, g, b) * light, place.uv.y)
 }
 
