@@ -17,3 +17,4 @@ mod shaders;
 mod stage;
 mod veil;
 mod view_textures;
+mod worn;

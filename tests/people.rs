@@ -14,10 +14,10 @@ use ocularium::lab::headless::{Headless, Which, plugins};
 use ocularium::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 
-const SIDE: u32 = 64;
+pub const SIDE: u32 = 64;
 
 /// A wall with a box before it, somebody, and `count` cameras that see as she does.
-fn world(count: usize) -> (Headless, Vec<Entity>, Entity) {
+pub fn world(count: usize) -> (Headless, Vec<Entity>, Entity) {
     let mut app = App::new();
     app.add_plugins((plugins(), OculariumPlugins));
     let world = app.world_mut();
@@ -74,7 +74,7 @@ fn world(count: usize) -> (Headless, Vec<Entity>, Entity) {
     (headless, cameras, thing)
 }
 
-fn seen(headless: &mut Headless, camera: Entity) -> RgbaImage {
+pub fn seen(headless: &mut Headless, camera: Entity) -> RgbaImage {
     let image = headless
         .world()
         .get::<Panel>(camera)

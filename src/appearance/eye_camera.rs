@@ -115,20 +115,40 @@ pub fn eye_camera(model: Entity, panel: Panel, layers: RenderLayers) -> impl Bun
     )
 }
 
-/// Puts the cameras where their orbits say, with fields that fit their panels' shapes.
+/// What of a camera its aim depends on, and changes.
+type Aiming<'a> = (
+    &'a EyeCamera,
+    &'a EyeOrbit,
+    &'a Panel,
+    &'a mut Transform,
+    &'a mut Projection,
+);
+
+/// Puts the cameras where their orbits say, wherever their eyes hang, with fields that fit their panels'
+/// shapes. A model's scale makes the way to it longer, not the camera larger.
 pub fn aim_cameras(
-    mut cameras: Query<(
-        &EyeCamera,
-        &EyeOrbit,
-        &Panel,
-        &mut Transform,
-        &mut Projection,
-    )>,
-    models: Query<&Transform, Without<EyeCamera>>,
+    mut transforms: ParamSet<(TransformHelper, Query<Aiming>)>,
+    cameras: Query<(Entity, &EyeCamera)>,
 ) {
-    for (camera, orbit, panel, mut transform, mut projection) in &mut cameras {
-        let model = models.get(camera.0).copied().unwrap_or_default();
-        transform.set_if_neq(model * orbit.clamped().transform());
+    let places: Vec<_> = cameras
+        .iter()
+        .map(|(camera, eye)| {
+            let helper = transforms.p0();
+            (camera, helper.compute_global_transform(eye.0).ok())
+        })
+        .collect();
+    let mut aiming = transforms.p1();
+    for (entity, place) in places {
+        let Ok((_, orbit, panel, mut transform, mut projection)) = aiming.get_mut(entity) else {
+            continue;
+        };
+        let place = place.unwrap_or_default();
+        let own = orbit.clamped().transform();
+        transform.set_if_neq(Transform {
+            translation: place.transform_point(own.translation),
+            rotation: place.rotation() * own.rotation,
+            scale: Vec3::ONE,
+        });
         let fov = vertical_field(panel.size.x as f32 / panel.size.y as f32);
         let current = match &*projection {
             Projection::Perspective(perspective) => perspective.fov,

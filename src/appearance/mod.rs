@@ -56,6 +56,7 @@ impl Plugin for AppearancePlugin {
         .register_type::<EyeModel>()
         .register_type::<EyeDetail>()
         .init_resource::<model::FaceRegion>()
+        .add_observer(model::take_parts_away)
         .add_systems(
             Update,
             (

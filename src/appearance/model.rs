@@ -49,7 +49,7 @@ pub enum EyeLight {
     Studio(Studio),
 }
 
-/// How fine the maps of an eye's tissues are. It counts when they are built.
+/// How fine the maps of an eye's tissues are; another fineness builds the eye anew.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component)]
 pub struct EyeDetail {
@@ -70,6 +70,7 @@ pub struct EyeParts {
     pub(super) built: u64,
     /// The eye that is shown.
     pub(super) eye: Option<Entity>,
+    pub(super) layers: RenderLayers,
     pub(super) lashes: Option<Lashes>,
     pub(super) posed: PosedRegion,
     pub(super) hair: HairMesh,
@@ -136,8 +137,8 @@ type Built<'a> = (
 /// What of a model decides how it is built.
 type Model<'a> = (
     Entity,
-    Ref<'a, EyeModel>,
-    &'a EyeDetail,
+    &'a EyeModel,
+    Ref<'a, EyeDetail>,
     Option<&'a RenderLayers>,
     Option<&'a Children>,
     &'a mut EyeParts,
@@ -148,7 +149,29 @@ pub(super) fn side(laterality: Laterality) -> f32 {
     laterality.temporal_sign() as f32
 }
 
-/// Builds the parts of eyes whose anatomy is new or changed.
+/// Takes the parts of an eye away with its model.
+pub(super) fn take_parts_away(
+    removed: On<Remove, EyeModel>,
+    children: Query<&Children>,
+    parts: Query<(), With<EyePart>>,
+    mut commands: Commands,
+) {
+    for child in children.iter_descendants(removed.entity) {
+        if parts.contains(child) {
+            commands.entity(child).try_despawn();
+        }
+    }
+    // Whoever is given a model again begins anew.
+    commands
+        .entity(removed.entity)
+        .queue_silenced(|mut model: EntityWorldMut| {
+            if !model.contains::<EyeModel>() {
+                model.remove::<EyeParts>();
+            }
+        });
+}
+
+/// Builds the parts of eyes whose anatomy is new or changed; of eyes that are gone nothing stays.
 #[expect(
     clippy::too_many_arguments,
     reason = "a system's arguments are what it reads and makes"
@@ -166,15 +189,26 @@ pub fn build_eyes(
     mut commands: Commands,
 ) {
     for (entity, model, detail, layers, children, mut parts) in &mut models {
-        let Some((eye_entity, patient_entity)) = finder.find(model.0) else {
+        let own = || {
+            let children = children.into_iter().flatten().copied();
+            children.filter(|child| old.contains(*child))
+        };
+        let found = finder
+            .find(model.0)
+            .and_then(|(eye, patient)| Some((eye, eyes.get(eye).ok()?, people.get(patient).ok()?)));
+        let Some((eye_entity, (eye, cornea, iris, sclera), (patient, skin))) = found else {
+            if parts.eye.is_some() {
+                own().for_each(|part| commands.entity(part).despawn());
+                *parts = EyeParts {
+                    built: parts.built + 1,
+                    ..default()
+                };
+            }
             continue;
         };
-        let (Ok((eye, cornea, iris, sclera)), Ok((patient, skin))) =
-            (eyes.get(eye_entity), people.get(patient_entity))
-        else {
-            continue;
-        };
+        let layers = layers.cloned().unwrap_or_default();
         let is_changed = parts.eye != Some(eye_entity)
+            || detail.is_changed()
             || eye.is_changed()
             || cornea.is_changed()
             || iris.is_changed()
@@ -182,14 +216,17 @@ pub fn build_eyes(
             || patient.is_changed()
             || skin.is_changed();
         if !is_changed {
+            if parts.layers != layers {
+                own().for_each(|part| {
+                    commands.entity(part).insert(layers.clone());
+                });
+                parts.layers = layers;
+            }
             continue;
         }
         parts.eye = Some(eye_entity);
-        for child in children.into_iter().flatten() {
-            if old.contains(*child) {
-                commands.entity(*child).despawn();
-            }
-        }
+        parts.layers = layers.clone();
+        own().for_each(|part| commands.entity(part).despawn());
         readiness.restart();
         let anatomy = Anatomy {
             eye: &eye,
@@ -199,7 +236,6 @@ pub fn build_eyes(
             patient: &patient,
             skin: &skin,
         };
-        let layers = layers.cloned().unwrap_or_default();
         let mut builder = Builder {
             model: entity,
             layers,

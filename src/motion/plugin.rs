@@ -49,6 +49,8 @@ pub struct GazeController {
     state: OculomotorState,
     strip: VecDeque<TraceRow>,
     fresh: bool,
+    /// Why it last kept its settings: said once.
+    refused: Option<String>,
 }
 
 impl Default for GazeController {
@@ -73,6 +75,7 @@ impl GazeController {
             engine,
             strip: VecDeque::new(),
             fresh: true,
+            refused: None,
         })
     }
 
@@ -166,15 +169,16 @@ impl Plugin for MotionPlugin {
     }
 }
 
-/// Everybody moves.
+/// Everybody moves, each by her own seed.
 fn give_controllers(
-    still: Query<Entity, (With<Patient>, Without<GazeController>)>,
+    still: Query<(Entity, &Patient), Without<GazeController>>,
     mut commands: Commands,
 ) {
-    for patient in &still {
-        commands
-            .entity(patient)
-            .insert((GazeController::default(), Candidates::default()));
+    for (entity, patient) in &still {
+        commands.entity(entity).insert((
+            GazeController::with_seed(patient.seed),
+            Candidates::default(),
+        ));
     }
 }
 
@@ -212,8 +216,14 @@ fn settings_of(
 fn hold_pupils(mut asked: MessageReader<MotionCommand>, mut pupils: Query<&mut PupilControl>) {
     for command in asked.read() {
         if let MotionCommand::Pupil(held_mm) = command {
+            let held_mm = *held_mm;
+            if let Some(diameter_mm) = held_mm
+                && !(1.0..=9.0).contains(&diameter_mm)
+            {
+                warn!("a pupil of {diameter_mm} mm is not held: 1 to 9 mm are allowed");
+                continue;
+            }
             for mut control in &mut pupils {
-                let held_mm = held_mm.filter(|diameter_mm| (1.0..=9.0).contains(diameter_mm));
                 if control.held_mm != held_mm {
                     control.held_mm = held_mm;
                 }
@@ -252,9 +262,14 @@ fn decide(
         let now = controller.engine.settings();
         let wanted = settings_of(now, &patient, control, adaptation, lens, refraction);
         if fresh || wanted != *now {
-            if let Err(error) = controller.engine.set_settings(wanted) {
-                warn!("the eye keeps its settings: {error}");
+            let why = controller.engine.set_settings(wanted).err();
+            let why = why.map(|error| error.to_string());
+            if let Some(error) = &why
+                && controller.refused != why
+            {
+                warn!("{} keeps how she moves: {error}", patient.name);
             }
+            controller.refused = why;
             if fresh {
                 let seed = controller.seed();
                 controller.engine.reset(seed);

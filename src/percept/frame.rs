@@ -62,6 +62,8 @@ pub struct PerceptFrame {
     pub present: bool,
     /// Forget everything that was seen?
     pub forget: bool,
+    /// Draw nothing but black, as nobody's view?
+    pub blank: bool,
     /// The visual field, for a patient who has lost some of it.
     pub field_loss: Option<FieldMap>,
     /// What the media do to the light, for an eye in which they are clouded.

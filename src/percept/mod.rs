@@ -14,6 +14,7 @@ pub mod fast;
 pub mod frame;
 pub mod gather;
 pub mod gpu_data;
+mod hand_on;
 mod memory;
 pub mod passes;
 pub mod pipelines;
@@ -60,6 +61,7 @@ impl Plugin for PerceptPlugin {
                 (
                     sees_as::take_off,
                     sees_as::put_on,
+                    sees_as::follow_changes,
                     sees_as::measure_targets,
                     sight::notice,
                     view::drive_captures,

@@ -9,6 +9,7 @@ use super::gpu_data::{
     FEATURE_COUNTERS, FORGET, MediaUniform, PerceptUniform, TILE, VEIL_SCALE, WORKGROUP,
     mip_levels, pixel_groups, slot_groups,
 };
+use super::hand_on;
 use super::pipelines::{Effects, Pass, Pipelines};
 use super::readback::Staging;
 use super::resources::{PerceptGpu, VeilGpu, View, ViewGpu, make_room, table_is_new};
@@ -17,7 +18,6 @@ use crate::frame::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core2d, Core2dSystems, Core3d, Core3dSystems};
 use bevy::prelude::*;
-use bevy::render::camera::ExtractedCamera;
 use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::render_asset::{RenderAssets, prepare_assets};
 use bevy::render::render_resource::BindingResource::{
@@ -25,10 +25,9 @@ use bevy::render::render_resource::BindingResource::{
 };
 use bevy::render::render_resource::{
     AddressMode, CommandEncoder, ComputePassDescriptor, Extent3d, FilterMode, LoadOp,
-    MipmapFilterMode, Operations, Origin3d, PipelineCache, RenderPassColorAttachment,
-    RenderPassDescriptor, Sampler, SamplerDescriptor, StoreOp, TexelCopyTextureInfo,
-    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
-    TextureViewDescriptor,
+    MipmapFilterMode, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
+    Sampler, SamplerDescriptor, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView, TextureViewDescriptor,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderGraph, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
@@ -78,7 +77,10 @@ pub fn build_render(app: &mut App) {
             Core3d,
             capture_scene.in_set(Core3dSystems::EarlyPostProcess),
         )
-        .add_systems(Core2d, hand_on.in_set(Core2dSystems::EarlyPostProcess));
+        .add_systems(
+            Core2d,
+            hand_on::hand_on.in_set(Core2dSystems::EarlyPostProcess),
+        );
 }
 
 /// Makes the lasting resources of every view, and uploads its uniform and, where it has lost some, its
@@ -294,40 +296,6 @@ fn show_captured(
     }
 }
 
-/// A view's picture goes to the window, or the part of a target, that its camera draws into.
-fn hand_on(
-    view: ViewQuery<(&ViewTarget, &ExtractedCamera, &Presents)>,
-    images: Res<RenderAssets<GpuImage>>,
-    mut ctx: RenderContext,
-) {
-    let (target, camera, presents) = view.into_inner();
-    let Some(image) = images.get(&presents.0) else {
-        return;
-    };
-    let (from, to) = (&image.texture, target.main_texture());
-    if from.format() != to.format() {
-        return;
-    }
-    let viewport = camera.viewport.as_ref();
-    let corner = viewport.map_or(UVec2::ZERO, |viewport| viewport.physical_position);
-    let room = UVec2::new(to.width(), to.height()).saturating_sub(corner);
-    let size = Extent3d {
-        width: from.width().min(room.x),
-        height: from.height().min(room.y),
-        depth_or_array_layers: 1,
-    };
-    let place = TexelCopyTextureInfo {
-        origin: Origin3d {
-            x: corner.x,
-            y: corner.y,
-            z: 0,
-        },
-        ..to.as_image_copy()
-    };
-    ctx.command_encoder()
-        .copy_texture_to_texture(from.as_image_copy(), place, size);
-}
-
 /// Everything that a new view needs once: capture, mips, corners, slots, and the copies for the CPU.
 /// Says whether it was recorded.
 fn capture(
@@ -474,6 +442,11 @@ fn draw_views(
     ledger: Res<WorkLedger>,
     mut ctx: RenderContext,
 ) {
+    for (_, frame) in frames.iter().filter(|(_, frame)| frame.blank) {
+        if let Some(target) = images.get(&frame.target) {
+            blank(ctx.command_encoder(), &target.texture_view);
+        }
+    }
     let device = ctx.render_device().clone();
     let gpu = &mut *gpu;
     let Some(sampler) = &gpu.sampler else { return };
@@ -513,6 +486,28 @@ fn draw_views(
                 }
             }
         }
+    }
+}
+
+/// Nothing but black.
+fn blank(encoder: &mut CommandEncoder, target: &TextureView) {
+    encoder.begin_render_pass(&RenderPassDescriptor {
+        label: Some("view_of_nobody"),
+        color_attachments: &[Some(onto_black(target))],
+        ..RenderPassDescriptor::default()
+    });
+}
+
+/// A target that is black before anything is drawn into it.
+fn onto_black(view: &TextureView) -> RenderPassColorAttachment<'_> {
+    RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: Operations {
+            load: LoadOp::Clear(LinearRgba::BLACK.into()),
+            store: StoreOp::Store,
+        },
     }
 }
 
@@ -645,15 +640,7 @@ fn show(
     };
     let mut pass = recorder.encoder.begin_render_pass(&RenderPassDescriptor {
         label: Some("present"),
-        color_attachments: &[Some(RenderPassColorAttachment {
-            view: &target.texture_view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: Operations {
-                load: LoadOp::Clear(LinearRgba::BLACK.into()),
-                store: StoreOp::Store,
-            },
-        })],
+        color_attachments: &[Some(onto_black(&target.texture_view))],
         ..RenderPassDescriptor::default()
     });
     pass.set_pipeline(pipeline);

@@ -4,12 +4,14 @@
 //! with its direction and the distance of what is there.
 
 use super::view::Percept;
+use crate::anatomy::gaze::GazeAngles;
+use crate::anatomy::{Laterality, Patient};
 use crate::motion::Candidate;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneModel;
 use crate::scene::photo::PhotoScene;
 use crate::scene::trace::Tracer;
-use bevy::math::{UVec2, Vec2, Vec3};
+use bevy::math::{DVec3, UVec2, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -124,6 +126,24 @@ fn distances_on(photo: &PhotoScene) -> impl Fn(Vec2) -> f64 {
     }
 }
 
+/// A place that one eye of a person has found, as her leading eye sees it.
+pub fn from_the_other_eye(place: &Candidate, eye: Laterality, person: &Patient) -> Candidate {
+    if !place.distance_m.is_finite() {
+        return *place;
+    }
+    // From the leading eye to this one.
+    let aside = eye.temporal_sign() * person.interpupillary_mm * 1e-3;
+    let own = GazeAngles::new(place.azimuth_rad, place.elevation_rad).direction();
+    let towards = own * place.distance_m + DVec3::X * aside;
+    let angles = GazeAngles::of(towards);
+    Candidate {
+        azimuth_rad: angles.azimuth_rad,
+        elevation_rad: angles.elevation_rad,
+        distance_m: towards.length(),
+        ..*place
+    }
+}
+
 /// The strongest corners of every part of the view: a busy texture does not outvote the rest, and
 /// the choice among them stays quick. Row by row, as the corners are.
 fn spread_out(corners: &[[u32; 4]], size: UVec2) -> Vec<[u32; 4]> {
@@ -187,6 +207,29 @@ mod tests {
         assert!((azimuth - 0.6f64.atan()).abs() < 1e-7 && elevation.abs() < 1e-12);
         let (_, up) = direction_of(Vec2::new(320.0, 0.0), size, half);
         assert!(up > 0.4);
+    }
+
+    #[test]
+    fn a_place_is_where_both_eyes_say_it_is() {
+        let person = Patient::default();
+        // Half a metre ahead of the left eye, which stands 63 mm to the left of the right one.
+        let place = Candidate {
+            azimuth_rad: 0.0,
+            elevation_rad: 0.0,
+            score: 7.0,
+            distance_m: 0.5,
+        };
+        let found = from_the_other_eye(&place, Laterality::OS, &person);
+        assert!((found.azimuth_rad + (0.063_f64 / 0.5).atan()).abs() < 1e-12);
+        assert!((found.distance_m - 0.5_f64.hypot(0.063)).abs() < 1e-12 && found.score == 7.0);
+        let far = Candidate {
+            distance_m: f64::INFINITY,
+            ..place
+        };
+        assert_eq!(
+            from_the_other_eye(&far, Laterality::OS, &person).azimuth_rad,
+            0.0
+        );
     }
 
     fn photo(depth_m: PhotoDepth) -> LoadedScene {

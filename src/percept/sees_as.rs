@@ -9,7 +9,7 @@ use super::view::{Percept, ViewOptions};
 use crate::frame::Panel;
 use crate::frame::panel::{LARGEST_SIDE, SMALLEST_SIDE, target_image};
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{CameraMainTextureUsages, Hdr, RenderTarget, Viewport};
+use bevy::camera::{CameraMainTextureUsages, Hdr, ImageRenderTarget, RenderTarget, Viewport};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::*;
@@ -21,12 +21,17 @@ use bevy::window::{PrimaryWindow, WindowRef};
 ///
 /// The camera stands where the eye is and looks where the head faces. Its picture is linear and is
 /// brought to the screen's range by our own output transform: exposure is the camera's.
+///
+/// The camera may be given another target, viewport or order at any time, as ever; a viewport is taken
+/// away again by one of the whole target. `Camera::is_active` is ours while it is worn: it says whether
+/// the scene is drawn in this frame. [`ViewOptions::is_shown`] puts a view to sleep. Of a person or eye
+/// that is gone nothing is seen: the picture is black.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component)]
 #[require(Hdr, ViewOptions, Percept, PerceptFrame)]
-pub struct SeesAs(pub Entity);
+pub struct SeesAs(#[entities] pub Entity);
 
-/// What a camera was before it began to see as somebody does.
+/// What a camera was before it began to see as somebody does, and has been given since.
 #[derive(Component, Clone, Debug)]
 pub struct Worn {
     target: RenderTarget,
@@ -36,6 +41,8 @@ pub struct Worn {
     was_active: bool,
     /// Who hands the picture on to a window, or to a part of a target, and that picture.
     presenter: Option<(Entity, Handle<Image>)>,
+    /// What Bevy draws the scene into for us; none before its size is known.
+    picture: Option<ImageRenderTarget>,
     size: UVec2,
 }
 
@@ -52,7 +59,41 @@ impl Worn {
             None => self.target.as_image(),
         }
     }
+
+    /// Lets Bevy draw the scene into this picture.
+    pub(super) fn draw_into(
+        &mut self,
+        picture: Handle<Image>,
+        scale_factor: f32,
+        target: &mut RenderTarget,
+    ) {
+        let picture = ImageRenderTarget {
+            handle: picture,
+            scale_factor,
+        };
+        *target = RenderTarget::Image(picture.clone());
+        self.picture = Some(picture);
+    }
+
+    /// Is this target the one that we gave the camera?
+    fn is_ours(&self, target: &RenderTarget) -> bool {
+        match (target, &self.picture) {
+            (RenderTarget::Image(image), Some(picture)) => image.handle == picture.handle,
+            (RenderTarget::None { .. }, None) => true,
+            _ => false,
+        }
+    }
+
+    /// Does somebody else have to bring the picture to where it is to be seen?
+    fn is_handed_on(&self) -> bool {
+        self.viewport.is_some() || matches!(self.target, RenderTarget::Window(_))
+    }
 }
+
+/// Into nothing, until it is known how large the picture has to be.
+const NOTHING: RenderTarget = RenderTarget::None {
+    size: UVec2::splat(SMALLEST_SIDE),
+};
 
 /// A camera that hands a view's picture on.
 #[derive(Component, Clone, Debug, ExtractComponent)]
@@ -77,47 +118,91 @@ pub(super) fn put_on(
     for (entity, mut camera, mut camera_3d, mut target, msaa, tonemapping) in &mut cameras {
         let usages = TextureUsages::from(camera_3d.depth_texture_usages);
         camera_3d.depth_texture_usages = (usages | TextureUsages::TEXTURE_BINDING).into();
-        let own = target.clone();
-        let viewport = camera.viewport.take();
-        let is_handed_on = viewport.is_some() || matches!(own, RenderTarget::Window(_));
-        let presenter = is_handed_on.then(|| {
-            let image = images.add(target_image(UVec2::splat(SMALLEST_SIDE)));
-            let presenter = commands.spawn((
-                Camera2d,
-                Camera {
-                    order: camera.order,
-                    viewport: viewport.clone(),
-                    clear_color: ClearColorConfig::Custom(Color::BLACK),
-                    ..default()
-                },
-                own.clone(),
-                Msaa::Off,
-                Tonemapping::None,
-                CameraMainTextureUsages::default().with(TextureUsages::COPY_DST),
-                RenderLayers::none(),
-                Presents(image.clone()),
-            ));
-            (presenter.id(), image)
-        });
-        // Into nothing, until it is known how large the picture has to be.
-        *target = RenderTarget::None {
-            size: UVec2::splat(SMALLEST_SIDE),
+        let mut worn = Worn {
+            target: std::mem::replace(&mut *target, NOTHING),
+            viewport: camera.viewport.take(),
+            msaa: msaa.copied(),
+            tonemapping: tonemapping.copied(),
+            was_active: std::mem::replace(&mut camera.is_active, false),
+            presenter: None,
+            picture: None,
+            size: UVec2::ZERO,
         };
-        let was_active = std::mem::replace(&mut camera.is_active, false);
-        // The picture has to be there before whoever draws into the same target comes.
-        commands.entity(entity).insert((
-            Worn {
-                target: own,
-                viewport,
-                msaa: msaa.copied(),
-                tonemapping: tonemapping.copied(),
-                was_active,
-                presenter,
-                size: UVec2::ZERO,
-            },
-            Msaa::Off,
-            Tonemapping::None,
-        ));
+        employ(&mut worn, camera.order, &mut images, &mut commands);
+        commands
+            .entity(entity)
+            .insert((worn, Msaa::Off, Tonemapping::None));
+    }
+}
+
+/// Gives a view a presenter, where it needs one.
+fn employ(worn: &mut Worn, order: isize, images: &mut Assets<Image>, commands: &mut Commands) {
+    if !worn.is_handed_on() {
+        return;
+    }
+    let image = images.add(target_image(UVec2::splat(SMALLEST_SIDE)));
+    let presenter = commands.spawn((
+        Camera2d,
+        Camera {
+            order,
+            viewport: worn.viewport.clone(),
+            clear_color: ClearColorConfig::Custom(Color::BLACK),
+            ..default()
+        },
+        worn.target.clone(),
+        Msaa::Off,
+        Tonemapping::None,
+        CameraMainTextureUsages::default().with(TextureUsages::COPY_DST),
+        RenderLayers::none(),
+        Presents(image.clone()),
+    ));
+    worn.presenter = Some((presenter.id(), image));
+    // The size is that of the new image.
+    worn.size = UVec2::ZERO;
+}
+
+/// Follows what a worn camera is given: another target, a viewport, an order.
+pub(super) fn follow_changes(
+    mut cameras: Query<(&mut Camera, &mut RenderTarget, &mut Worn), With<SeesAs>>,
+    mut presenters: Query<(&mut Camera, &mut RenderTarget), (With<Presents>, Without<SeesAs>)>,
+    mut images: ResMut<Assets<Image>>,
+    mut commands: Commands,
+) {
+    for (mut camera, mut target, mut worn) in &mut cameras {
+        let mut is_another = false;
+        if camera.viewport.is_some() {
+            worn.viewport = camera.viewport.take();
+            is_another = true;
+        }
+        if !worn.is_ours(&target) {
+            let ours = match &worn.picture {
+                Some(picture) => RenderTarget::Image(picture.clone()),
+                None => NOTHING,
+            };
+            worn.target = std::mem::replace(&mut *target, ours);
+            // Laid out again, with the picture's own scale.
+            worn.size = UVec2::ZERO;
+            is_another = true;
+        }
+        let presenter = worn.presenter.as_ref().map(|(entity, _)| *entity);
+        match presenter {
+            Some(presenter) if !worn.is_handed_on() => {
+                commands.entity(presenter).try_despawn();
+                worn.presenter = None;
+            }
+            Some(presenter) => {
+                if let Ok((mut own, mut own_target)) = presenters.get_mut(presenter) {
+                    if own.order != camera.order {
+                        own.order = camera.order;
+                    }
+                    if is_another {
+                        own.viewport = worn.viewport.clone();
+                        *own_target = worn.target.clone();
+                    }
+                }
+            }
+            None => employ(&mut worn, camera.order, &mut images, &mut commands),
+        }
     }
 }
 

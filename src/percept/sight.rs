@@ -7,11 +7,14 @@
 use crate::appearance::{EyeModel, EyeParts};
 use bevy::asset::AssetEvent;
 use bevy::camera::visibility::RenderLayers;
-use bevy::light::GlobalAmbientLight;
-use bevy::mesh::morph::MorphWeights;
+use bevy::camera::{ClearColorConfig, Exposure};
+use bevy::light::{EnvironmentMapLight, GlobalAmbientLight, Skybox};
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
+use bevy::pbr::DistanceFog;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
+use bevy::render::view::ColorGrading;
 
 /// The layers on which something has changed in this frame.
 #[derive(Resource, Default, Debug)]
@@ -58,13 +61,58 @@ type Altered = Or<(
     Changed<RenderLayers>,
     Changed<Mesh3d>,
     Changed<MeshMaterial3d<StandardMaterial>>,
-    Changed<MorphWeights>,
     Or<(
         Changed<PointLight>,
         Changed<DirectionalLight>,
         Changed<SpotLight>,
     )>,
 )>;
+
+/// What of a camera, beside its place and lens, decides what it draws.
+#[derive(bevy::ecs::query::QueryData)]
+pub(super) struct CameraLook {
+    exposure: Option<Ref<'static, Exposure>>,
+    ambient: Option<Ref<'static, AmbientLight>>,
+    fog: Option<Ref<'static, DistanceFog>>,
+    sky: Option<Ref<'static, Skybox>>,
+    environment: Option<Ref<'static, EnvironmentMapLight>>,
+    grading: Option<Ref<'static, ColorGrading>>,
+}
+
+/// What a camera had of it, and before what colour it drew.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Look {
+    has: [bool; 6],
+    background: Option<LinearRgba>,
+}
+
+impl CameraLookItem<'_, '_> {
+    /// Does the camera draw otherwise than it did when this was last asked?
+    pub(super) fn has_changed(&self, camera: &Camera, before: &mut Look) -> bool {
+        fn state<T>(part: &Option<Ref<T>>) -> (bool, bool) {
+            let changed = part.as_ref().is_some_and(|part| part.is_changed());
+            (part.is_some(), changed)
+        }
+        let parts = [
+            state(&self.exposure),
+            state(&self.ambient),
+            state(&self.fog),
+            state(&self.sky),
+            state(&self.environment),
+            state(&self.grading),
+        ];
+        let now = Look {
+            has: parts.map(|(has, _)| has),
+            background: match camera.clear_color {
+                ClearColorConfig::Custom(color) => Some(color.into()),
+                _ => None,
+            },
+        };
+        let is_other = parts.iter().any(|(_, changed)| *changed) || now != *before;
+        *before = now;
+        is_other
+    }
+}
 
 /// Lights and meshes that are gone.
 #[derive(bevy::ecs::system::SystemParam)]
@@ -101,6 +149,8 @@ pub(super) fn notice(
     altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
     unaltered: Query<(Entity, Option<&RenderLayers>), Seen>,
     skinned: Query<(&SkinnedMesh, Option<&RenderLayers>)>,
+    morphed: Query<(Ref<MeshMorphWeights>, Option<&RenderLayers>)>,
+    weights: Query<(), Changed<MorphWeights>>,
     eyes: Query<Option<&RenderLayers>, (With<EyeModel>, Changed<EyeParts>)>,
     moved: Query<(), Changed<GlobalTransform>>,
     ambient: Option<Res<GlobalAmbientLight>>,
@@ -134,6 +184,15 @@ pub(super) fn notice(
     }
     for (skin, layers) in &skinned {
         if skin.joints.iter().any(|joint| moved.contains(*joint)) {
+            changes.add(layers);
+        }
+    }
+    for (morph, layers) in &morphed {
+        let follows = match &*morph {
+            MeshMorphWeights::Reference(entity) => weights.contains(*entity),
+            MeshMorphWeights::Value { .. } => false,
+        };
+        if follows || morph.is_changed() {
             changes.add(layers);
         }
     }

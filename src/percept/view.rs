@@ -7,12 +7,12 @@ use super::gpu_data::{
     FORGET, MediaUniform, PerceptUniform, default_voxel_angle_rad, mip_levels, pixels_per_radian,
 };
 use super::memory::SharpnessField;
-use super::places::{candidates_of, direction_of, distance_m};
+use super::places::{candidates_of, direction_of, distance_m, from_the_other_eye};
 use super::sees_as::{SeesAs, Worn};
-use super::sight::SceneChanges;
+use super::sight::{CameraLook, Look, SceneChanges};
 use crate::anatomy::{
-    Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, OcularMedia, Pupil, Refraction,
-    VisualField,
+    Accommodation, Cornea, Eye, EyeFinder, Eyelids, Gaze, Iris, OcularMedia, Patient, Pupil,
+    Refraction, VisualField,
 };
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
@@ -20,10 +20,10 @@ use crate::motion::{Candidates, GazeController};
 use crate::optics::glare::Veil;
 use crate::scene::photo::PhotoScene;
 use crate::scene::photo_view::{Photograph, photo_images};
+use bevy::camera::RenderTarget;
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{ImageRenderTarget, RenderTarget};
 use bevy::ecs::reflect::ReflectComponent;
-use bevy::platform::collections::HashSet;
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use std::sync::Arc;
@@ -46,6 +46,8 @@ const FIELD_HALF_DEG: f32 = 40.0;
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
 pub struct ViewOptions {
+    /// Is the view drawn at all? One that is not costs nothing and remembers what was seen.
+    pub is_shown: bool,
     /// Draw a ring where the eye looks?
     pub marker: bool,
     /// FAST threshold for candidates, 0 to 255.
@@ -61,6 +63,7 @@ pub struct ViewOptions {
 impl Default for ViewOptions {
     fn default() -> Self {
         Self {
+            is_shown: true,
             marker: false,
             threshold: 20,
             supersampling: 2,
@@ -118,6 +121,18 @@ pub struct Percept {
     is_unread: bool,
     forget: bool,
     lifetime: u64,
+    /// Asked for by [`Percept::take_again`].
+    is_outdated: bool,
+    /// The voxels of the memory are divided otherwise than those of the next capture.
+    forget_voxels: bool,
+    /// Who knows where she may look in it.
+    told: Option<Entity>,
+    /// How its camera drew it.
+    look: Look,
+    /// Threshold, exposure and edge of a voxel with which it was captured.
+    taken_with: (u8, f32, f64),
+    /// The target that was drawn into last, and whether as nobody's view.
+    drawn_into: Option<(Handle<Image>, UVec2, bool)>,
     photo: Option<LaidOut>,
     sight: Sight,
     /// Where the eye was when the memory began: the origin of its voxels, m.
@@ -144,6 +159,12 @@ impl Default for Percept {
             is_unread: false,
             forget: false,
             lifetime: 0,
+            is_outdated: false,
+            forget_voxels: false,
+            told: None,
+            look: Look::default(),
+            taken_with: (0, 0.0, 0.0),
+            drawn_into: None,
             photo: None,
             sight: Sight::default(),
             origin: Vec3::ZERO,
@@ -180,6 +201,11 @@ impl Percept {
         self.size = UVec2::ZERO;
         self.is_new = true;
         self.photo = None;
+    }
+
+    /// Takes the picture again, for a change that nobody else notices: of a material of one's own, say.
+    pub fn take_again(&mut self) {
+        self.is_outdated = true;
     }
 
     /// Direction (azimuth, elevation, rad) and distance (m) of a place of the view, in its pixels.
@@ -223,19 +249,40 @@ impl Percept {
     }
 }
 
+/// What comes back to a view, and to whom it is told.
+type Receiving<'a> = (
+    Entity,
+    &'a SeesAs,
+    &'a Worn,
+    &'a ViewOptions,
+    &'a mut Percept,
+    Option<&'a Panel>,
+);
+
 /// Takes in finished captures: candidates for the eye, distances for the user's pointer.
 pub(super) fn receive(
-    mut views: Query<(&SeesAs, &Worn, &mut Percept, Option<&Panel>)>,
-    mut people: Query<(&GazeController, Option<&mut Candidates>)>,
+    mut views: Query<Receiving>,
+    mut people: Query<(&GazeController, &Patient, Option<&mut Candidates>)>,
+    eyes: Query<&Eye>,
     mut has_come: Local<bool>,
     readiness: Res<Readiness>,
     finder: EyeFinder,
     mut clock: ResMut<SimulationClock>,
     mut commands: Commands,
 ) {
-    let mut told = HashSet::new();
+    // Who is seen through by several cameras chooses by the first that was made.
+    let mut first: HashMap<Entity, Entity> = HashMap::default();
+    for (camera, sees, _, options, _, panel) in &views {
+        if let Some((_, patient)) = finder.find(sees.0)
+            && is_shown(options, panel)
+        {
+            let chosen = first.entry(patient).or_insert(camera);
+            *chosen = (*chosen).min(camera);
+        }
+    }
     let (mut is_waiting, mut can_see) = (false, false);
-    for (sees, worn, mut percept, panel) in &mut views {
+    for (camera, sees, worn, options, mut percept, panel) in &mut views {
+        let mut is_news = false;
         if let Some(result) = percept.returned.take()
             && result.serial > percept.captured.serial
             && percept.stage != Stage::Wanted
@@ -250,28 +297,39 @@ pub(super) fn receive(
                 percept.shown = None;
             }
             *has_come = true;
-            // Who is seen through by several cameras chooses by the first.
-            if let Some((_, patient)) = finder.find(sees.0)
-                && told.insert(patient)
-                && let Ok((controller, candidates)) = people.get_mut(patient)
+            is_news = true;
+        }
+        let found = finder.find(sees.0);
+        // A camera that sees as another now has news for her.
+        if let Some((eye, patient)) = found
+            && (is_news || (percept.told != Some(patient) && !percept.is_new))
+            && first.get(&patient) == Some(&camera)
+            && let Ok((controller, person, candidates)) = people.get_mut(patient)
+        {
+            percept.told = Some(patient);
+            let middle = percept.captured.size.as_vec2() * 0.5;
+            let mut found = Candidates {
+                list: candidates_of(&percept, controller.seed()),
+                ahead_distance_m: percept.look_at(middle).2,
+            };
+            if let Ok(eye) = eyes.get(eye)
+                && eye.laterality != person.leading
             {
-                let middle = percept.captured.size.as_vec2() * 0.5;
-                let found = Candidates {
-                    list: candidates_of(&percept, controller.seed()),
-                    ahead_distance_m: percept.look_at(middle).2,
-                };
-                match candidates {
-                    Some(mut candidates) => *candidates = found,
-                    None => {
-                        commands.entity(patient).insert(found);
-                    }
+                for candidate in &mut found.list {
+                    *candidate = from_the_other_eye(candidate, eye.laterality, person);
+                }
+            }
+            match candidates {
+                Some(mut candidates) => *candidates = found,
+                None => {
+                    commands.entity(patient).insert(found);
                 }
             }
         }
         // A view of nobody, or of no size, has no answer to wait for.
-        let sees_something = worn.size() != UVec2::ZERO && finder.find(sees.0).is_some();
+        let sees_something = worn.size() != UVec2::ZERO && found.is_some();
         can_see |= sees_something;
-        is_waiting |= sees_something && percept.is_new && panel.is_none_or(|panel| panel.visible);
+        is_waiting |= sees_something && percept.is_new && is_shown(options, panel);
     }
     // Where nobody can see there are only the pipelines to wait for.
     let is_blind = !can_see && readiness.quiet_frames() >= QUIET_FRAMES;
@@ -281,10 +339,17 @@ pub(super) fn receive(
     }
 }
 
+/// Is a view drawn, if there is anybody to see?
+fn is_shown(options: &ViewOptions, panel: Option<&Panel>) -> bool {
+    options.is_shown && panel.is_none_or(|panel| panel.visible)
+}
+
 /// The parts of a camera that a capture needs.
 type Capturing<'a> = (
-    &'a Worn,
+    &'a SeesAs,
+    &'a mut Worn,
     &'a ViewOptions,
+    CameraLook,
     &'a GlobalTransform,
     Option<&'a Panel>,
     Option<&'a Photograph>,
@@ -300,12 +365,18 @@ type Capturing<'a> = (
 pub(super) fn drive_captures(
     readiness: Res<Readiness>,
     changes: Res<SceneChanges>,
+    clear: Option<Res<ClearColor>>,
+    finder: EyeFinder,
+    people: Query<&SharpnessField>,
     mut images: ResMut<Assets<Image>>,
-    mut views: Query<Capturing, With<SeesAs>>,
+    mut views: Query<Capturing>,
 ) {
+    let is_recolored = clear.is_some_and(|clear| clear.is_changed());
     for (
-        worn,
+        sees,
+        mut worn,
         options,
+        look,
         transform,
         panel,
         photo,
@@ -317,25 +388,44 @@ pub(super) fn drive_captures(
     ) in &mut views
     {
         let size = worn.size();
-        let visible = panel.is_none_or(|panel| panel.visible) && size != UVec2::ZERO;
-        let drawing = visible && {
-            let percept = &mut *percept;
-            let is_resized = lay_out(
-                percept,
-                photo,
-                size,
-                options,
-                &readiness,
-                &mut images,
-                &mut target,
-            );
-            let sight = sight_of(percept, transform, &projection);
-            let is_photo = percept.photo.is_some();
-            let has_changed =
-                is_resized || (!is_photo && (sight != percept.sight || changes.touch(layers)));
-            percept.sight = sight;
-            let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
-            drive(percept, has_changed, quiet) && !is_photo
+        let memory = finder
+            .find(sees.0)
+            .and_then(|(_, patient)| people.get(patient).ok());
+        let drawing = match memory {
+            Some(memory) if is_shown(options, panel) && size != UVec2::ZERO => {
+                let percept = &mut *percept;
+                let is_resized = lay_out(
+                    percept,
+                    photo,
+                    size,
+                    options,
+                    &readiness,
+                    &mut images,
+                    (&mut worn, &mut target),
+                );
+                let sight = sight_of(percept, transform, &projection);
+                let is_photo = percept.photo.is_some();
+                let taken_with = (options.threshold, options.exposure, memory.voxel_m);
+                if percept.stage != Stage::Wanted && percept.is_recorded() {
+                    percept.forget_voxels = false;
+                }
+                // Voxels of another size are another memory.
+                percept.forget_voxels |= percept.taken_with.2 != taken_with.2;
+                let mut has_changed = is_resized
+                    || std::mem::take(&mut percept.is_outdated)
+                    || taken_with != percept.taken_with;
+                if !is_photo {
+                    has_changed |= sight != percept.sight
+                        || changes.touch(layers)
+                        || is_recolored
+                        || look.has_changed(&camera, &mut percept.look);
+                }
+                percept.sight = sight;
+                percept.taken_with = taken_with;
+                let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
+                drive(percept, has_changed, quiet) && !is_photo
+            }
+            _ => false,
         };
         if camera.is_active != drawing {
             camera.is_active = drawing;
@@ -351,7 +441,7 @@ fn lay_out(
     options: &ViewOptions,
     readiness: &Readiness,
     images: &mut Assets<Image>,
-    target: &mut RenderTarget,
+    (worn, target): (&mut Worn, &mut RenderTarget),
 ) -> bool {
     let scale = match photo {
         Some(_) => 1,
@@ -370,10 +460,8 @@ fn lay_out(
     match photo {
         None => {
             percept.photo = None;
-            *target = RenderTarget::Image(ImageRenderTarget {
-                handle: images.add(picture_image(size * scale)),
-                scale_factor: scale as f32,
-            });
+            let picture = images.add(picture_image(size * scale));
+            worn.draw_into(picture, scale as f32, target);
         }
         Some(photo) => {
             let (colour, vergence, smaller_deg) = photo_images(&photo.0, size);
@@ -505,15 +593,32 @@ pub(super) fn perceive(
 ) {
     let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
     for (sees, worn, panel, options, mut percept, mut frame) in &mut views {
-        let found = finder
-            .find(sees.0)
-            .and_then(|(eye, patient)| Some((eyes.get(eye).ok()?, people.get(patient).ok()?)));
-        let (Some((eye, person)), Some(target)) = (found, worn.image()) else {
+        let Some(target) = worn.image() else {
             *frame = PerceptFrame::default();
             continue;
         };
+        let found = finder
+            .find(sees.0)
+            .and_then(|(eye, patient)| Some((eyes.get(eye).ok()?, people.get(patient).ok()?)));
+        let into = Some((target.clone(), worn.size(), found.is_none()));
+        if percept.drawn_into != into {
+            percept.drawn_into = into;
+            percept.shown = None;
+        }
+        let visible = is_shown(options, panel) && worn.size() != UVec2::ZERO;
+        let Some((eye, person)) = found else {
+            // Who sees again sees anew.
+            percept.begin_scene();
+            *frame = PerceptFrame {
+                blank: visible && percept.shown.is_none(),
+                target: target.clone(),
+                ..PerceptFrame::default()
+            };
+            percept.shown = visible.then(Default::default);
+            continue;
+        };
         let shows = Shows {
-            visible: panel.is_none_or(|panel| panel.visible) && worn.size() != UVec2::ZERO,
+            visible,
             size: worn.size(),
             moved: clock.moved,
             quiet,
@@ -597,7 +702,7 @@ fn frame_of(
             },
             None => CaptureSource::Scene,
         },
-        forget: percept.is_new,
+        forget: percept.is_new || percept.forget_voxels,
     });
     if !shows.quiet {
         // A pass whose pipeline is not built yet is skipped, so what was asked for may not be shown.
@@ -621,6 +726,7 @@ fn frame_of(
         capture,
         field_loss: percept.field.clone(),
         media,
+        blank: false,
         target: target.clone(),
         returned: percept.returned.clone(),
     };

@@ -1,0 +1,357 @@
+//! Cameras and eyes in an app of somebody else's: targets, layers and people that come and go.
+
+use crate::people::{SIDE, seen, world};
+use crate::stage::{alone, mean};
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{ClearColorConfig, Hdr, RenderTarget, Viewport};
+use bevy::math::UVec2;
+use bevy::pbr::DistanceFog;
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
+use image::RgbaImage;
+use ocularium::frame::panel::target_image;
+use ocularium::lab::headless::Headless;
+use ocularium::prelude::*;
+
+/// A world with somebody and a camera that sees as she does into a part of a target of its own.
+fn worn(
+    headless: &mut Headless,
+    ann: Entity,
+    target: Image,
+    part: Option<Viewport>,
+) -> (Entity, Handle<Image>) {
+    let world = headless.world();
+    // Bevy clears the rest of a target.
+    world.insert_resource(ClearColor(Color::BLACK));
+    let image = world.resource_mut::<Assets<Image>>().add(target);
+    let camera = world
+        .spawn((
+            Camera3d::default(),
+            Camera {
+                viewport: part,
+                ..default()
+            },
+            Hdr,
+            RenderTarget::Image(image.clone().into()),
+            SeesAs(ann),
+        ))
+        .id();
+    (camera, image)
+}
+
+fn frames(headless: &mut Headless, count: usize) {
+    for _ in 0..count {
+        headless.stand_still();
+        headless.finish_frame();
+    }
+}
+
+fn somebody(headless: &mut Headless) -> Entity {
+    let world = headless.world();
+    let mut people = world.query_filtered::<Entity, With<Patient>>();
+    people.iter(world).next().expect("somebody")
+}
+
+/// Mean of a square of 16 × 16 pixels.
+fn part_mean(picture: &RgbaImage, x: u32, y: u32) -> f64 {
+    mean(&image::imageops::crop_imm(picture, x, y, 16, 16).to_image())
+}
+
+#[test]
+fn a_worn_camera_follows_the_target_and_viewport_that_it_is_given() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let side = UVec2::splat(2 * SIDE);
+    let left = Viewport {
+        physical_size: UVec2::new(SIDE, 2 * SIDE),
+        ..default()
+    };
+    let (camera, image) = worn(&mut headless, ann, target_image(side), Some(left));
+    headless.go_to(0.2);
+    frames(&mut headless, 8);
+    let picture = headless.picture(&image).expect("a picture");
+    assert!(part_mean(&picture, 8, 100) > 5.0, "the left half shows it");
+    assert_eq!(
+        part_mean(&picture, 100, 100),
+        0.0,
+        "the right half does not"
+    );
+
+    // It moves to the right half.
+    headless
+        .world()
+        .get_mut::<Camera>(camera)
+        .expect("a camera")
+        .viewport = Some(Viewport {
+        physical_position: UVec2::new(SIDE, 0),
+        physical_size: UVec2::new(SIDE, 2 * SIDE),
+        ..default()
+    });
+    frames(&mut headless, 8);
+    let picture = headless.picture(&image).expect("a picture");
+    assert!(part_mean(&picture, 100, 100) > 5.0);
+
+    // Another target, of another size, as a whole: no viewport is left but one of all of it.
+    let other = headless
+        .world()
+        .resource_mut::<Assets<Image>>()
+        .add(target_image(UVec2::splat(SIDE)));
+    let world = headless.world();
+    *world.get_mut::<RenderTarget>(camera).expect("a target") =
+        RenderTarget::Image(other.clone().into());
+    world.get_mut::<Camera>(camera).expect("a camera").viewport = Some(Viewport {
+        physical_size: UVec2::splat(SIDE),
+        ..default()
+    });
+    frames(&mut headless, 8);
+    let picture = headless.picture(&other).expect("a picture");
+    assert!(part_mean(&picture, 8, 40) > 5.0 && part_mean(&picture, 40, 40) > 5.0);
+
+    // Asleep it draws nothing, and awake it draws again.
+    let before = headless.work();
+    let set = |headless: &mut Headless, is_shown: bool| {
+        headless
+            .world()
+            .get_mut::<ViewOptions>(camera)
+            .expect("options")
+            .is_shown = is_shown;
+    };
+    set(&mut headless, false);
+    for step in 1..=5 {
+        headless.go_to(0.2 + 0.1 * f64::from(step));
+    }
+    assert_eq!(headless.work().since(before).view_passes, 0);
+    set(&mut headless, true);
+    headless.go_to(0.9);
+    assert!(headless.work().since(before).view_passes > 0);
+}
+
+#[test]
+fn a_part_of_a_target_of_any_format_shows_the_view() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let mut targets = Vec::new();
+    for format in [TextureFormat::Bgra8UnormSrgb, TextureFormat::Rgba8Unorm] {
+        let mut target = target_image(UVec2::splat(2 * SIDE));
+        target.texture_descriptor.format = format;
+        let part = Viewport {
+            physical_position: UVec2::splat(SIDE),
+            physical_size: UVec2::splat(SIDE),
+            ..default()
+        };
+        targets.push((format, worn(&mut headless, ann, target, Some(part)).1));
+    }
+    headless.go_to(0.2);
+    frames(&mut headless, 8);
+    for (format, target) in targets {
+        let picture = headless.picture(&target).expect("a picture");
+        assert!(part_mean(&picture, 100, 100) > 5.0, "{format:?}");
+        assert_eq!(part_mean(&picture, 8, 8), 0.0, "{format:?}");
+    }
+}
+
+#[test]
+fn of_somebody_who_is_gone_nothing_is_seen_and_nothing_stays() {
+    let _alone = alone();
+    let (mut headless, cameras, _) = world(1);
+    let ann = somebody(&mut headless);
+    let model = headless
+        .world()
+        .spawn((EyeModel(ann), Transform::default()))
+        .id();
+    let other = headless
+        .world()
+        .spawn((EyeModel(ann), Transform::default()))
+        .id();
+    headless.go_to(0.2);
+    frames(&mut headless, 4);
+    let parts = |headless: &mut Headless, model: Entity| {
+        let children = headless.world().get::<Children>(model);
+        children.map_or(0, |children| children.len())
+    };
+    assert_eq!(parts(&mut headless, model), 6);
+    // One is no eye any more.
+    headless.world().entity_mut(other).remove::<EyeModel>();
+    frames(&mut headless, 2);
+    assert_eq!(parts(&mut headless, other), 0);
+    assert!(mean(&seen(&mut headless, cameras[0])) > 5.0);
+    // Then she goes.
+    headless.world().entity_mut(ann).despawn();
+    frames(&mut headless, 3);
+    assert_eq!(parts(&mut headless, model), 0);
+    assert_eq!(mean(&seen(&mut headless, cameras[0])), 0.0, "nobody sees");
+    let before = headless.work();
+    frames(&mut headless, 3);
+    let work = headless.work().since(before);
+    assert_eq!(
+        (work.scene_passes, work.view_passes),
+        (0, 0),
+        "and nothing is drawn"
+    );
+    assert!(
+        !headless
+            .world()
+            .get::<Camera>(cameras[0])
+            .expect("a camera")
+            .is_active
+    );
+    // Somebody else is seen through by the same camera.
+    let ben = headless
+        .world()
+        .spawn(Patient::preset("healthy-brown"))
+        .id();
+    headless.world().entity_mut(cameras[0]).insert(SeesAs(ben));
+    frames(&mut headless, 8);
+    assert!(mean(&seen(&mut headless, cameras[0])) > 5.0);
+    let places = headless
+        .world()
+        .get::<ocularium::motion::Candidates>(ben)
+        .expect("places to look at");
+    assert!(!places.list.is_empty(), "he knows where he may look");
+}
+
+#[test]
+fn another_person_at_a_camera_is_told_what_it_sees() {
+    let _alone = alone();
+    let (mut headless, cameras, _) = world(1);
+    headless.go_to(0.2);
+    frames(&mut headless, 6);
+    let ben = headless
+        .world()
+        .spawn(Patient::preset("healthy-brown"))
+        .id();
+    headless.world().entity_mut(cameras[0]).insert(SeesAs(ben));
+    let before = headless.work();
+    frames(&mut headless, 3);
+    assert_eq!(
+        headless.work().since(before).view_captures,
+        0,
+        "the picture is the same"
+    );
+    let places = headless.world().get::<ocularium::motion::Candidates>(ben);
+    assert!(!places.expect("places").list.is_empty());
+}
+
+/// Changes of a camera and its options that its picture follows.
+type Retaking = (&'static str, fn(&mut World, Entity));
+
+#[test]
+fn a_view_is_taken_again_when_what_its_camera_draws_with_changes() {
+    let _alone = alone();
+    let (mut headless, cameras, _) = world(1);
+    headless.go_to(0.2);
+    frames(&mut headless, 8);
+    let changes: &[Retaking] = &[
+        ("exposure of the camera", |w, c| {
+            w.entity_mut(c)
+                .insert(bevy::camera::Exposure { ev100: 8.0 });
+        }),
+        ("ambient light of the camera", |w, c| {
+            w.entity_mut(c).insert(AmbientLight {
+                brightness: 900.0,
+                ..default()
+            });
+        }),
+        ("its loss", |w, c| {
+            w.entity_mut(c).remove::<AmbientLight>();
+        }),
+        ("fog", |w, c| {
+            w.entity_mut(c).insert(DistanceFog::default());
+        }),
+        ("background of the camera", |w, c| {
+            w.get_mut::<Camera>(c).expect("a camera").clear_color =
+                ClearColorConfig::Custom(Color::linear_rgb(0.2, 0.1, 0.1));
+        }),
+        ("background of the world", |w, _| {
+            w.insert_resource(ClearColor(Color::linear_rgb(0.1, 0.2, 0.1)));
+        }),
+        ("threshold of the corners", |w, c| {
+            w.get_mut::<ViewOptions>(c).expect("options").threshold = 60;
+        }),
+        ("exposure of the view", |w, c| {
+            w.get_mut::<ViewOptions>(c).expect("options").exposure = 0.5;
+        }),
+        ("edge of a voxel", |w, _| {
+            let mut fields = w.query::<&mut SharpnessField>();
+            for mut field in fields.iter_mut(w) {
+                field.voxel_m = 0.03;
+            }
+        }),
+        ("somebody's word", |w, c| {
+            w.get_mut::<ocularium::percept::Percept>(c)
+                .expect("a view")
+                .take_again();
+        }),
+    ];
+    for (name, change) in changes {
+        let before = headless.work();
+        frames(&mut headless, 2);
+        assert_eq!(
+            headless.work().since(before).view_captures,
+            0,
+            "before {name}"
+        );
+        change(headless.world(), cameras[0]);
+        frames(&mut headless, 6);
+        let captures = headless.work().since(before).view_captures;
+        assert!((1..=2).contains(&captures), "{name}: {captures}");
+        frames(&mut headless, 6);
+    }
+}
+
+#[test]
+fn an_eye_model_moves_with_what_it_hangs_on_and_changes_its_layers() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let world = headless.world();
+    let head = world
+        .spawn((Transform::from_xyz(0.0, 2.0, 0.0), Visibility::default()))
+        .id();
+    let model = world
+        .spawn((
+            EyeModel(ann),
+            Transform::from_xyz(0.03, 0.0, 0.0),
+            ChildOf(head),
+        ))
+        .id();
+    let panel = Panel::new(
+        &mut world.resource_mut::<Assets<Image>>(),
+        UVec2::splat(SIDE),
+        true,
+    );
+    let camera = world
+        .spawn(ocularium::appearance::eye_camera(
+            model,
+            panel,
+            RenderLayers::default(),
+        ))
+        .id();
+    headless.go_to(0.1);
+    frames(&mut headless, 2);
+    let place = headless
+        .world()
+        .get::<Transform>(camera)
+        .expect("a place")
+        .translation;
+    // 95 mm before the target, which lies 10.5 mm before the globe's middle.
+    assert!(
+        (place - Vec3::new(0.03, 2.0, -0.1055)).length() < 1e-5,
+        "{place}"
+    );
+    headless
+        .world()
+        .entity_mut(model)
+        .insert(RenderLayers::layer(5));
+    frames(&mut headless, 2);
+    let world = headless.world();
+    let children = world.get::<Children>(model).expect("parts").to_vec();
+    for part in children {
+        assert_eq!(
+            world.get::<RenderLayers>(part),
+            Some(&RenderLayers::layer(5))
+        );
+    }
+}
