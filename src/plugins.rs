@@ -21,10 +21,10 @@ pub mod prelude {
     pub use super::OculariumPlugins;
     pub use crate::anatomy::{
         Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor, Laterality, Lens,
-        OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
+        Lids, OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
     };
     pub use crate::appearance::{EyeLight, EyeModel, Studio};
-    pub use crate::conditions::{Cataract, Condition, Glaucoma, GlaucomaStage};
+    pub use crate::conditions::{AddCondition, Cataract, Condition, Glaucoma, GlaucomaStage};
     pub use crate::frame::{EyeSystems, Panel, SimulationClock};
     pub use crate::motion::engine::GazeCommand;
     pub use crate::motion::{GazeController, MotionCommand};

@@ -208,7 +208,7 @@ fn uploads_are_bounded(run: &mut Run) {
 
 fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
     assert_eq!(
-        run.headless.work().glaucoma_passes,
+        run.headless.work().field_loss_passes,
         0,
         "nobody has had glaucoma"
     );
@@ -229,25 +229,29 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
         run.play()
     };
     let work = change("glaucoma-moderate");
-    assert!(work.glaucoma_passes > 0, "{work:?}");
+    assert!(work.field_loss_passes > 0, "{work:?}");
     assert_eq!(
-        work.glaucoma_passes, work.view_passes,
+        work.field_loss_passes, work.view_passes,
         "every picture shows the loss"
     );
     let work = change("healthy-blue");
     assert!(work.view_passes > 0, "{work:?}");
-    assert_eq!(work.glaucoma_passes, 0, "the next patient is healthy");
+    assert_eq!(work.field_loss_passes, 0, "the next patient is healthy");
     let clouded = change("cataract-nuclear");
     assert_eq!(
         clouded.veil_passes, 0,
         "a still view has its veil: {clouded:?}"
     );
     assert!(
-        clouded.view_passes > 1 && clouded.glaucoma_passes == 0,
+        clouded.view_passes > 1 && clouded.field_loss_passes == 0,
         "{clouded:?}"
     );
     let work = change("healthy-green");
-    assert_eq!((work.veil_passes, work.glaucoma_passes), (0, 0), "{work:?}");
+    assert_eq!(
+        (work.veil_passes, work.field_loss_passes),
+        (0, 0),
+        "{work:?}"
+    );
     assert_eq!(run.headless.work().veil_passes, 1, "one veil for one view");
     let keys = run.keys();
     let field_loss = Effects {

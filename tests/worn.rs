@@ -7,7 +7,7 @@ use bevy::camera::{ClearColorConfig, Hdr, RenderTarget, Viewport};
 use bevy::math::UVec2;
 use bevy::pbr::DistanceFog;
 use bevy::prelude::*;
-use bevy::render::render_resource::TextureFormat;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use image::RgbaImage;
 use ocularium::frame::panel::target_image;
 use ocularium::lab::headless::Headless;
@@ -354,4 +354,126 @@ fn an_eye_model_moves_with_what_it_hangs_on_and_changes_its_layers() {
             Some(&RenderLayers::layer(5))
         );
     }
+}
+
+/// How much neighbouring pixels of a square differ, in codes squared: an edge over four pixels counts a
+/// quarter of one over one.
+fn contrast(picture: &RgbaImage, [x, y]: [u32; 2], side: u32) -> f64 {
+    let at = |x: u32, y: u32| f64::from(picture.get_pixel(x, y)[1]);
+    let mut sum = 0.0;
+    for j in y..y + side {
+        for i in x..x + side {
+            sum += (at(i + 1, j) - at(i, j)).powi(2) + (at(i, j + 1) - at(i, j)).powi(2);
+        }
+    }
+    sum / f64::from(side * side)
+}
+
+/// A board of black and white squares, 8 × 8, on a cuboid.
+fn board(world: &mut World, place: Transform) -> Entity {
+    let texel = |k: usize| if (k / 8 + k % 8).is_multiple_of(2) { 20 } else { 235 };
+    let mut image = Image::new(
+        Extent3d {
+            width: 8,
+            height: 8,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        (0..64)
+            .flat_map(|k| [texel(k), texel(k), texel(k), 255])
+            .collect(),
+        TextureFormat::Rgba8UnormSrgb,
+        bevy::asset::RenderAssetUsages::RENDER_WORLD,
+    );
+    image.sampler = bevy::image::ImageSampler::nearest();
+    let texture = world.resource_mut::<Assets<Image>>().add(image);
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(StandardMaterial {
+            base_color_texture: Some(texture),
+            unlit: true,
+            ..default()
+        });
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(0.05, 0.05, 0.004));
+    world
+        .spawn((Mesh3d(mesh), MeshMaterial3d(material), place))
+        .id()
+}
+
+/// What was seen of a thing sharply rides with it, and where it stood nothing is left of it.
+#[test]
+fn what_moves_takes_its_sharpness_along() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let (_, image) = worn(&mut headless, ann, target_image(UVec2::splat(256)), None);
+    let place = |x: f32| Transform::from_xyz(x, 0.0, -0.25);
+    let thing = board(headless.world(), place(-0.05));
+    let world = headless.world();
+    world.get_mut::<PupilControl>(ann).expect("pupils").fixed_mm = Some(7.0);
+    let gaze = |headless: &mut Headless, azimuth_deg: f64, distance_m: f64| {
+        headless
+            .world()
+            .write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+                azimuth_rad: azimuth_deg.to_radians(),
+                elevation_rad: 0.0,
+                distance_m,
+            }));
+    };
+    headless.go_to(0.1);
+    {
+        let mut controller = headless
+            .world()
+            .get_mut::<GazeController>(ann)
+            .expect("a controller");
+        let mut settings = controller.engine().settings().clone();
+        settings.blinks = false;
+        controller.set_settings(settings).expect("sound settings");
+    }
+    // At the board, then at the wall behind it.
+    gaze(&mut headless, -11.3, 0.25);
+    for step in 1..=20 {
+        headless.go_to(0.1 + 0.1 * f64::from(step));
+    }
+    gaze(&mut headless, 12.0, 5.0);
+    for step in 1..=10 {
+        headless.go_to(2.1 + 0.1 * f64::from(step));
+    }
+    let shown = |headless: &mut Headless| {
+        frames(headless, 4);
+        headless.picture(&image).expect("a picture")
+    };
+    // The board spans 62 pixels about a place that lies 62 aside of the middle.
+    let (left, right) = ([52, 114], [176, 114]);
+    let remembered = contrast(&shown(&mut headless), left, 28);
+
+    let go = |headless: &mut Headless, thing: Entity, x: f32| {
+        *headless
+            .world()
+            .get_mut::<Transform>(thing)
+            .expect("a place") = place(x);
+    };
+    go(&mut headless, thing, 0.05);
+    let picture = shown(&mut headless);
+    let moved = contrast(&picture, right, 28);
+    // And again, now that it has a name.
+    go(&mut headless, thing, 0.0505);
+    let again = contrast(&shown(&mut headless), right, 28);
+    // Another one comes where it stood: it has not been seen yet.
+    board(headless.world(), place(-0.05));
+    let unseen = contrast(&shown(&mut headless), left, 28);
+    println!("{remembered:.1} remembered, {moved:.1} moved, {again:.1} again, {unseen:.1} unseen");
+    assert!(remembered > 10.0 && unseen < 0.5 * remembered);
+    assert!((moved - remembered).abs() < 0.1 * remembered);
+    assert!((again - remembered).abs() < 0.1 * remembered);
+    headless
+        .world()
+        .get_mut::<SharpnessField>(ann)
+        .expect("a memory")
+        .restart();
+    let forgotten = contrast(&shown(&mut headless), right, 28);
+    println!("{forgotten:.1} forgotten");
+    assert!(forgotten < 0.5 * remembered, "{forgotten}");
 }

@@ -9,6 +9,16 @@ const SHARPNESS_FAR_M: f32 = 1000.0;
 const SHARPNESS_LEVEL_UNIFORM: i32 = 1000;
 const SHARPNESS_LEVEL_SKY: i32 = 1001;
 
+// Cell (xyz) and level (w) of a point (metres from the field's origin).
+fn sharpness_voxel_at(point: vec3<f32>, voxel_size_m: f32, voxel_angle_rad: f32) -> vec4<i32> {
+    if voxel_size_m > 0.0 {
+        return vec4<i32>(vec3<i32>(floor(point / voxel_size_m)), SHARPNESS_LEVEL_UNIFORM);
+    }
+    let level = i32(floor(log2(max(length(point), 1e-4))));
+    let side = voxel_angle_rad * exp2(f32(level));
+    return vec4<i32>(vec3<i32>(floor(point / side)), level);
+}
+
 // Cell (xyz) and level (w) of the point at `vergence_per_m` along the unit world direction
 // `direction`, seen from `eye_m` (metres from the field's origin).
 fn sharpness_voxel(
@@ -21,13 +31,7 @@ fn sharpness_voxel(
     if vergence_per_m < 1.0 / SHARPNESS_FAR_M {
         return vec4<i32>(vec3<i32>(floor(direction / voxel_angle_rad)), SHARPNESS_LEVEL_SKY);
     }
-    let point = eye_m + direction / vergence_per_m;
-    if voxel_size_m > 0.0 {
-        return vec4<i32>(vec3<i32>(floor(point / voxel_size_m)), SHARPNESS_LEVEL_UNIFORM);
-    }
-    let level = i32(floor(log2(max(length(point), 1e-4))));
-    let side = voxel_angle_rad * exp2(f32(level));
-    return vec4<i32>(vec3<i32>(floor(point / side)), level);
+    return sharpness_voxel_at(eye_m + direction / vergence_per_m, voxel_size_m, voxel_angle_rad);
 }
 
 // Finaliser of MurmurHash3: every input bit reaches every output bit.

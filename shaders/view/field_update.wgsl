@@ -16,6 +16,25 @@
 #ifdef FIELD_LOSS
 @group(0) @binding(12) var visual_field: texture_2d<f32>;
 #endif
+@group(0) @binding(13) var<storage, read> movers: Movers;
+
+// A thing that has moved: what was seen of it is kept where it was before it ever moved, under its own
+// name. Columns are rows: a point (m from the field's origin, 1) times them is the mapped one. Keep in
+// sync with src/percept/movers.rs.
+struct Mover {
+    own: mat3x4<f32>,     // into its own frame, where its box is
+    rest: mat3x4<f32>,    // to where it was
+    center: vec3<f32>,    // of its box
+    name: u32,            // from 1
+    half_size: vec3<f32>, // of its box
+    is_new: u32,          // 1: what was seen of it stands under no name yet
+};
+
+struct Movers {
+    count: u32,
+    unused: vec3<u32>,
+    list: array<Mover>,   // smaller ones first
+};
 
 const NO_SLOT: u32 = 0xFFFFFFFFu;
 const MAX_PROBES: u32 = 128u;
@@ -52,9 +71,57 @@ fn slot_of(name: vec2<u32>) -> u32 {
     return NO_SLOT;
 }
 
+// Slot of a voxel that may have one.
+fn find_slot(name: vec2<u32>) -> u32 {
+    var slot = name.y & percept.slot_mask;
+    for (var probe = 0u; probe < MAX_PROBES; probe++) {
+        let found = atomicLoad(&voxel_tag[slot]);
+        if found == name.x {
+            return slot;
+        }
+        if found == 0u {
+            break;
+        }
+        slot = (slot + 1u) & percept.slot_mask;
+    }
+    return NO_SLOT;
+}
+
+// The thing that has moved to where a point is, by its place in the list; their number where there is none.
+fn mover_at(point: vec3<f32>) -> u32 {
+    for (var k = 0u; k < movers.count; k++) {
+        let off = vec4<f32>(point, 1.0) * movers.list[k].own - movers.list[k].center;
+        if all(abs(off) <= movers.list[k].half_size) {
+            return k;
+        }
+    }
+    return movers.count;
+}
+
+// Slot of a point on something that has moved.
+fn slot_on_mover(point: vec3<f32>, k: u32) -> u32 {
+    let at = vec4<f32>(point, 1.0) * movers.list[k].rest;
+    let voxel = sharpness_voxel_at(at, percept.eye.w, percept.voxel_angle_rad);
+    let named = voxel + vec4<i32>(0, 0, 0, i32(movers.list[k].name) << 12u);
+    let slot = slot_of(sharpness_voxel_hash(named));
+    if movers.list[k].is_new != 0u && slot != NO_SLOT {
+        let before = find_slot(sharpness_voxel_hash(voxel));
+        if before != NO_SLOT {
+            atomicMin(&sharpness_keys[slot], atomicLoad(&sharpness_keys[before]));
+        }
+    }
+    return slot;
+}
+
 fn ray_of(pixel: vec2<u32>) -> vec3<f32> {
     let tan_half_fov = vec2<f32>(percept.right.w, percept.up.w);
     return view_ray(vec2<f32>(pixel) + 0.5, vec2<f32>(percept.size), tan_half_fov);
+}
+
+// Unit direction of a pixel in the world.
+fn direction_of(pixel: vec2<u32>) -> vec3<f32> {
+    let ray = ray_of(pixel);
+    return ray.x * percept.right.xyz + ray.y * percept.up.xyz + ray.z * percept.back.xyz;
 }
 
 @compute @workgroup_size(8, 8)
@@ -63,11 +130,40 @@ fn assign_slots(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(pixel >= percept.size) {
         return;
     }
-    let ray = ray_of(pixel);
-    let direction = ray.x * percept.right.xyz + ray.y * percept.up.xyz + ray.z * percept.back.xyz;
+    let direction = direction_of(pixel);
     let vergence = textureLoad(view_vergence, pixel, 0).x;
+    let at = pixel.y * percept.size.x + pixel.x;
+    if movers.count > 0u && vergence >= 1.0 / SHARPNESS_FAR_M {
+        let point = percept.eye.xyz + direction / vergence;
+        let mover = mover_at(point);
+        if mover < movers.count {
+            pixel_slot[at] = slot_on_mover(point, mover);
+            return;
+        }
+    }
     let voxel = sharpness_voxel(percept.eye.xyz, direction, vergence, percept.eye.w, percept.voxel_angle_rad);
-    pixel_slot[pixel.y * percept.size.x + pixel.x] = slot_of(sharpness_voxel_hash(voxel));
+    pixel_slot[at] = slot_of(sharpness_voxel_hash(voxel));
+}
+
+// Of what has moved away from a view as it was before, nothing stays where it stood.
+@compute @workgroup_size(8, 8)
+fn forget_left(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pixel = id.xy;
+    if any(pixel >= percept.size) {
+        return;
+    }
+    let vergence = textureLoad(view_vergence, pixel, 0).x;
+    if vergence < 1.0 / SHARPNESS_FAR_M {
+        return;
+    }
+    let point = percept.eye.xyz + direction_of(pixel) / vergence;
+    if mover_at(point) < movers.count {
+        let voxel = sharpness_voxel_at(point, percept.eye.w, percept.voxel_angle_rad);
+        let slot = find_slot(sharpness_voxel_hash(voxel));
+        if slot != NO_SLOT {
+            atomicStore(&sharpness_keys[slot], SHARPNESS_NEVER_SEEN);
+        }
+    }
 }
 
 // Moves every voxel of the old table into the new, larger one. One invocation a slot.

@@ -27,11 +27,11 @@ struct PerceptUniform {
     lid_aperture: f32,              // 0 closed .. 1 open
     max_taps: u32,
     candidate_capacity: u32,
-    eccentricity_penalty: f32,      // glaucoma: rad of blur per rad of eccentricity
-    loss_blur_rad: f32,             // glaucoma: blur where the field is lost
-    loss_darkening: f32,            // glaucoma: fraction of light missing where lost
-    loss_desaturation: f32,         // glaucoma: fraction of colour missing where lost
-    field_half_width_rad: f32,      // glaucoma: half the side of the visual-field map
+    eccentricity_penalty: f32,      // lost field: rad of blur per rad of eccentricity
+    loss_blur_rad: f32,             // lost field: blur where the field is lost
+    loss_darkening: f32,            // lost field: fraction of light missing where lost
+    loss_desaturation: f32,         // lost field: fraction of colour missing where lost
+    field_half_width_rad: f32,      // lost field: half the side of the visual-field map
     luma_exposure: f32,             // scene radiance that FAST calls white is 1 / this
     table_slots_old: u32,           // for `grow_table` only
     display_referred: u32,          // 1: the picture holds a display's colours, no shoulder

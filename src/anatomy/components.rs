@@ -7,7 +7,7 @@
 //! | | anatomy | state |
 //! |---|---|---|
 //! | person | [`Patient`], [`Skin`], [`PupilControl`], [`Adaptation`] | [`Eyelids`] |
-//! | eye | [`Eye`], [`Cornea`], [`Iris`], [`Lens`], [`Refraction`], [`Sclera`] | [`Gaze`], [`Pupil`], [`Accommodation`] |
+//! | eye | [`Eye`], [`Cornea`], [`Iris`], [`Lens`], [`Refraction`], [`Sclera`], [`Lids`] | [`Gaze`], [`Pupil`], [`Accommodation`] |
 
 use super::gaze::GazeAngles;
 use crate::optics::pupil::entrance_pupil_magnification;
@@ -118,6 +118,7 @@ impl Eyes {
 /// An eye's globe.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
+#[require(Lens, Refraction, Sclera, Lids, Gaze, Pupil, Accommodation)]
 pub struct Eye {
     /// Right or left eye.
     pub laterality: Laterality,
@@ -267,6 +268,20 @@ impl Refraction {
 pub struct Sclera {
     /// Redness of the conjunctiva, 0 (quiet) to 1 (injected).
     pub redness: f64,
+}
+
+/// The lids of an eye.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
+pub struct Lids {
+    /// How far they open at rest, 0 (never) to 1.2; 1 is usual: 9.7 mm straight ahead.
+    pub opening: f64,
+}
+
+impl Default for Lids {
+    fn default() -> Self {
+        Self { opening: 1.0 }
+    }
 }
 
 /// A person's skin.

@@ -15,7 +15,7 @@ pub mod visual_field;
 
 pub use components::{
     Accommodation, Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
-    Laterality, Lens, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
+    Laterality, Lens, Lids, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
 pub use media::OcularMedia;
 pub use visual_field::VisualField;
@@ -41,6 +41,11 @@ impl EyeFinder<'_, '_> {
         let (patient, _) = self.patients.get(eye_or_patient).ok()?;
         let eye = self.eye_of(eye_or_patient, patient.leading)?;
         Some((eye, eye_or_patient))
+    }
+
+    /// Which of the two an eye is.
+    pub fn laterality(&self, eye: Entity) -> Option<Laterality> {
+        self.eyes.get(eye).ok().map(|eye| eye.laterality)
     }
 
     /// One eye of a person; the other where she has but one.

@@ -4,7 +4,7 @@ use super::face_region::LidPose;
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
-use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, OcularMedia, Pupil};
+use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, Lids, OcularMedia, Pupil};
 use crate::frame::ledger::WorkLedger;
 use bevy::prelude::*;
 
@@ -91,7 +91,7 @@ pub fn cloud_lenses(
 
 /// Poses lids, lashes and tears, where lids or gaze changed.
 pub fn move_lids(
-    eyes: Query<(&Eye, &Gaze, &EyeOf)>,
+    eyes: Query<(&Eye, &Gaze, &Lids, &EyeOf)>,
     people: Query<&Eyelids>,
     mut models: Query<(&mut EyeParts, &Visibility)>,
     mut assets: EyeAssets,
@@ -100,7 +100,7 @@ pub fn move_lids(
 ) {
     let Some(region) = &region.0 else { return };
     for (mut parts, visibility) in &mut models {
-        let Some(Ok((eye, gaze, owner))) = parts.eye.map(|eye| eyes.get(eye)) else {
+        let Some(Ok((eye, gaze, own, owner))) = parts.eye.map(|eye| eyes.get(eye)) else {
             continue;
         };
         let Ok(lids) = people.get(owner.0) else {
@@ -111,7 +111,7 @@ pub fn move_lids(
         }
         let mirror = side(eye.laterality);
         let pose = LidPose {
-            aperture: lids.aperture as f32,
+            aperture: (lids.aperture * own.opening) as f32,
             gaze_azimuth_rad: mirror * gaze.azimuth_rad as f32,
             gaze_elevation_rad: gaze.elevation_rad as f32,
             squint: 0.0,

@@ -12,11 +12,19 @@
 //! grades (±1 subcapsular).
 
 use super::{Affected, Condition, Control};
+use crate::optics::root::illinois;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
 use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 
+/// Highest grades of LOCS III: nuclear, cortical, posterior subcapsular.
+const HIGHEST: [f64; 3] = [6.9, 5.9, 5.9];
+/// Grade from which a nucleus makes an eye short-sighted, and by how much a grade, D: 21 eyes with nuclear
+/// cataract shifted by −0.40 ± 0.6 D against clear ones (Pesudovs & Elliott 2003), here a grade 3;
+/// below, nuclei do not (Samarawickrama et al. 2007).
+const SHORT_SIGHTED_FROM: f64 = 2.0;
+const SHIFT_D: f64 = -0.40;
 /// Grade of nuclear colour up to which a lens is as yellow as a healthy one of its age.
 const YELLOW_FROM: f64 = 1.5;
 /// Diameter of the lens as it is seen in retroillumination, mm.
@@ -33,6 +41,11 @@ pub struct Cataract {
     pub cortical: f64,
     /// Posterior subcapsular opacity, LOCS III, 0 to 5.9.
     pub subcapsular: f64,
+    /// Straylight of the whole eye as a straylight meter finds it, log s, 0.5 to 2.5. Where it is given the
+    /// grades only say in which proportion the three places are clouded (the nucleus alone, where all
+    /// are 0): they become those that give this eye this straylight, as far as LOCS III goes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log_s: Option<f64>,
 }
 
 impl Cataract {
@@ -63,13 +76,53 @@ impl Cataract {
     fn grades(&self) -> [f64; 3] {
         let within = |grade: f64, most: f64| if grade > 0.0 { grade.min(most) } else { 0.0 };
         [
-            within(self.nuclear, 6.9),
-            within(self.cortical, 5.9),
-            within(self.subcapsular, 5.9),
+            within(self.nuclear, HIGHEST[0]),
+            within(self.cortical, HIGHEST[1]),
+            within(self.subcapsular, HIGHEST[2]),
         ]
     }
 
-    /// Straylight at 7° that it adds, deg² sr⁻¹. Scatterers add in intensity.
+    /// A cataract by the straylight of the whole eye, log s; `self` says where it is clouded.
+    pub fn with_log_s(self, log_s: f64) -> Self {
+        Self {
+            log_s: Some(log_s),
+            ..self
+        }
+    }
+
+    /// The same by its grades, for an eye that has this straylight (deg² sr⁻¹ at 7°) without it.
+    fn graded(&self, healthy: f64) -> Self {
+        let Some(log_s) = self.log_s.filter(|log_s| log_s.is_finite()) else {
+            return *self;
+        };
+        let wanted = 10f64.powf(log_s) - healthy;
+        let mix = match self.grades() {
+            [0.0, 0.0, 0.0] => [1.0, 0.0, 0.0],
+            grades => grades,
+        };
+        let scaled = |scale: f64| Self {
+            nuclear: scale * mix[0],
+            cortical: scale * mix[1],
+            subcapsular: scale * mix[2],
+            log_s: None,
+        };
+        // At the largest every grade that is not 0 is the highest.
+        let least = mix
+            .into_iter()
+            .filter(|grade| *grade > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        let most = HIGHEST[0] / least;
+        if wanted <= 0.0 {
+            return Self::default();
+        }
+        let off = |scale: f64| scaled(scale).straylight() - wanted;
+        if off(most) <= 0.0 {
+            return scaled(most);
+        }
+        scaled(illinois((0.0, off(0.0)), (most, off(most)), 1e-9, off))
+    }
+
+    /// Straylight at 7° that it adds by its grades, deg² sr⁻¹. Scatterers add in intensity.
     pub fn straylight(&self) -> f64 {
         let [nuclear, cortical, subcapsular] = self.grades();
         1.2 * (nuclear - 1.0).max(0.0).powi(2) + 1.2 * cortical.powi(2) + 3.0 * subcapsular.powi(2)
@@ -87,32 +140,42 @@ impl Condition for Cataract {
         &[
             Control {
                 name: "nuclear",
-                range: (0.0, 6.9),
+                range: (0.0, HIGHEST[0]),
                 meaning: "clouding and yellowing of the nucleus (LOCS III)",
-                get: |own| own.nuclear,
+                get: |own| Some(own.nuclear),
                 set: |own, value| own.nuclear = value,
             },
             Control {
                 name: "cortical",
-                range: (0.0, 5.9),
+                range: (0.0, HIGHEST[1]),
                 meaning: "wedges in the cortex (LOCS III)",
-                get: |own| own.cortical,
+                get: |own| Some(own.cortical),
                 set: |own, value| own.cortical = value,
             },
             Control {
                 name: "subcapsular",
-                range: (0.0, 5.9),
+                range: (0.0, HIGHEST[2]),
                 meaning: "cloud before the posterior capsule (LOCS III)",
-                get: |own| own.subcapsular,
+                get: |own| Some(own.subcapsular),
                 set: |own, value| own.subcapsular = value,
+            },
+            Control {
+                name: "log_s",
+                range: (0.5, 2.5),
+                meaning: "straylight of the eye, in place of grades (log s)",
+                get: |own| own.log_s,
+                set: |own, value| own.log_s = Some(value),
             },
         ]
     }
 
     fn write(&self, affected: &mut Affected) {
-        let [nuclear, cortical, subcapsular] = self.grades();
+        let healthy = 10f64.powf(affected.media.log_straylight());
+        let graded = self.graded(healthy);
+        let [nuclear, cortical, subcapsular] = graded.grades();
+        affected.refraction.sphere_d += SHIFT_D * (nuclear - SHORT_SIGHTED_FROM).max(0.0);
         let media = &mut affected.media;
-        media.straylight += self.straylight();
+        media.straylight += graded.straylight();
         media.nuclear_density += 0.10 * (nuclear - YELLOW_FROM).max(0.0).powf(1.5);
         if nuclear > 0.0 {
             // Over what a clear nucleus, grade 1, sends back.
@@ -127,6 +190,9 @@ impl Condition for Cataract {
 
     fn caption(&self) -> String {
         let [nuclear, cortical, subcapsular] = self.grades();
+        if let Some(log_s) = self.log_s {
+            return format!("Cataract, straylight of {log_s:.2} log s.");
+        }
         let parts: Vec<String> = [
             ("nuclear", nuclear),
             ("cortical", cortical),
@@ -147,13 +213,10 @@ impl Condition for Cataract {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anatomy::{Laterality, OcularMedia, VisualField};
+    use crate::anatomy::{Laterality, OcularMedia};
 
     fn media(cataract: Cataract) -> OcularMedia {
-        let mut affected = Affected {
-            field: VisualField::normal(Laterality::OD, 70.0),
-            media: OcularMedia::healthy(70.0, 0.5),
-        };
+        let mut affected = Affected::healthy(Laterality::OD, 70.0);
         cataract.write(&mut affected);
         affected.media
     }
@@ -176,6 +239,29 @@ mod tests {
             ..Cataract::posterior_subcapsular(2.5)
         };
         assert!(both.straylight() > Cataract::posterior_subcapsular(2.5).straylight());
+    }
+
+    #[test]
+    fn an_eye_has_the_straylight_that_was_measured() {
+        for mix in [
+            Cataract::default(),
+            Cataract::cortical(2.0),
+            Cataract {
+                nuclear: 3.0,
+                subcapsular: 1.5,
+                ..Cataract::default()
+            },
+        ] {
+            for log_s in [1.2, 1.5, 1.7] {
+                let found = media(mix.with_log_s(log_s)).log_straylight();
+                assert!((found - log_s).abs() < 1e-6, "{mix:?}: {found} for {log_s}");
+            }
+            // Less than the eye has without it, and more than there are grades for.
+            assert!(media(mix.with_log_s(0.5)).is_clear());
+            let most = media(mix.with_log_s(2.5));
+            assert!(most.log_straylight() > 1.6 && most.log_straylight() < 2.5);
+            assert!(media(mix.with_log_s(f64::NAN)).straylight.is_finite());
+        }
     }
 
     #[test]

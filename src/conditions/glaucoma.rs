@@ -277,7 +277,7 @@ impl Condition for Glaucoma {
             name: "mean_deviation_db",
             range: (LEAST_MEAN_DEVIATION_DB, 0.0),
             meaning: "mean deviation of the field, dB: early to -6, moderate to -12, then severe",
-            get: |own| own.mean_deviation_db,
+            get: |own| Some(own.mean_deviation_db),
             set: |own, value| own.mean_deviation_db = value,
         }]
     }

@@ -1,21 +1,22 @@
 //! Conditions: what an eye may have, each in one file, written as anatomy.
 //!
 //! Enters: a condition's component, on an eye or on a person (then both eyes have it). Leaves: the
-//! components that every eye has, healthy or not ([`VisualField`], [`OcularMedia`]); whoever draws or
-//! sees reads those and knows no condition by name.
+//! components that every eye has, healthy or not ([`VisualField`], [`OcularMedia`], [`Refraction`],
+//! [`Iris`], [`Lids`]); whoever draws or sees reads those and knows no condition by name.
 //!
-//! A new condition is a file with a type that is a [`Condition`], and a line in the list below.
+//! A new condition is a file with a type that is a [`Condition`], and a line in the list below. One of
+//! another crate is added by [`AddCondition::add_condition`].
 
 pub mod cataract;
 pub mod glaucoma;
+mod write;
 
 pub use cataract::Cataract;
 pub use glaucoma::{Glaucoma, GlaucomaStage};
+pub use write::{AddCondition, Unaffected};
 
-use crate::anatomy::{Eye, EyeOf, Iris, OcularMedia, Patient, VisualField};
-use crate::frame::EyeSystems;
+use crate::anatomy::{Iris, Lids, OcularMedia, Refraction, VisualField};
 use bevy::ecs::component::Mutable;
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 /// The list: calls a macro with the name of every condition, as it stands in patient files and in
@@ -25,7 +26,7 @@ macro_rules! with_conditions {
         $callback! {
             conditions {
                 glaucoma: $crate::conditions::Glaucoma, "loss of nerve fibres and of the visual field: `Early`, `Moderate`, `Severe`, or `MeanDeviation(dB)`, 0 to -30";
-                cataract: $crate::conditions::Cataract, "clouding of the lens by its LOCS III grades: `(nuclear: 0 to 6.9, cortical: 0 to 5.9, subcapsular: 0 to 5.9)`";
+                cataract: $crate::conditions::Cataract, "clouding of the lens by its LOCS III grades: `(nuclear: 0 to 6.9, cortical: 0 to 5.9, subcapsular: 0 to 5.9)`, or by the eye's straylight: `(nuclear: 1, log_s: 0.5 to 2.5)`";
             }
             $($rest)*
         }
@@ -40,6 +41,27 @@ pub struct Affected {
     pub field: VisualField,
     /// What the light passes.
     pub media: OcularMedia,
+    /// Its refractive error.
+    pub refraction: Refraction,
+    /// Its iris.
+    pub iris: Iris,
+    /// Its lids.
+    pub lids: Lids,
+}
+
+#[cfg(test)]
+impl Affected {
+    /// What a healthy eye has.
+    fn healthy(laterality: crate::anatomy::Laterality, age_years: f64) -> Self {
+        let iris = tests::iris();
+        Self {
+            field: VisualField::normal(laterality, age_years),
+            media: OcularMedia::healthy(age_years, iris.color.glare_pigment()),
+            refraction: Refraction::default(),
+            iris,
+            lids: Lids::default(),
+        }
+    }
 }
 
 /// One number of a condition, for a slider and for checks.
@@ -50,8 +72,8 @@ pub struct Control<C> {
     pub range: (f64, f64),
     /// What it is.
     pub meaning: &'static str,
-    /// Its value.
-    pub get: fn(&C) -> f64,
+    /// Its value; `None` where it is not given.
+    pub get: fn(&C) -> Option<f64>,
     /// Gives it another.
     pub set: fn(&mut C, f64),
 }
@@ -74,45 +96,6 @@ pub trait Condition: Component<Mutability = Mutable> + Clone + PartialEq {
     fn caption(&self) -> String;
 }
 
-/// Everybody's condition of one kind, and whose is gone.
-#[derive(SystemParam)]
-pub struct Having<'w, 's, C: Condition> {
-    all: Query<'w, 's, Ref<'static, C>>,
-    gone: RemovedComponents<'w, 's, C>,
-}
-
-impl<C: Condition> Having<'_, '_, C> {
-    /// An eye's own condition, or its owner's.
-    fn of(&self, eye: Entity, owner: Entity) -> Option<Ref<'_, C>> {
-        self.all.get(eye).or_else(|_| self.all.get(owner)).ok()
-    }
-
-    /// Has anybody lost it since the last frame?
-    fn is_gone(&mut self) -> bool {
-        self.gone.read().count() > 0
-    }
-
-    fn is_changed(&self, eye: Entity, owner: Entity) -> bool {
-        self.of(eye, owner).is_some_and(|own| own.is_changed())
-    }
-
-    fn write(&self, eye: Entity, owner: Entity, affected: &mut Affected) {
-        if let Some(condition) = self.of(eye, owner) {
-            condition.write(affected);
-        }
-    }
-}
-
-/// What of an eye decides its anatomy, and what was written before.
-type Written<'a> = (
-    Entity,
-    Ref<'a, Eye>,
-    Ref<'a, EyeOf>,
-    Ref<'a, Iris>,
-    Option<&'a VisualField>,
-    Option<&'a OcularMedia>,
-);
-
 macro_rules! plugin {
     (conditions { $($name:ident: $condition:ty, $meaning:literal;)+ }) => {
         /// Writes conditions into anatomy.
@@ -120,54 +103,13 @@ macro_rules! plugin {
 
         impl Plugin for ConditionsPlugin {
             fn build(&self, app: &mut App) {
-                $(app.register_type::<$condition>();)+
-                app.add_systems(
-                    Update,
-                    write_anatomy
-                        .in_set(EyeSystems::Sense)
-                        .after(crate::frame::EyeCommands),
-                );
-            }
-        }
-
-        /// What every eye has whose side, owner or conditions have changed.
-        fn write_anatomy(
-            eyes: Query<Written>,
-            patients: Query<Ref<Patient>>,
-            mut commands: Commands,
-            ($(mut $name,)+): ($(Having<$condition>,)+)
-        ) {
-            // All of them are asked, so that none tells of the same loss again.
-            let gone = [$($name.is_gone()),+].contains(&true);
-            for (entity, eye, owner, iris, field, media) in &eyes {
-                let Ok(patient) = patients.get(owner.0) else {
-                    continue;
-                };
-                let is_changed = field.is_none()
-                    || media.is_none()
-                    || gone
-                    || eye.is_changed()
-                    || owner.is_changed()
-                    || iris.is_changed()
-                    || patient.is_changed()
-                    $(|| $name.is_changed(entity, owner.0))+;
-                if !is_changed {
-                    continue;
-                }
-                let mut affected = Affected {
-                    field: VisualField::normal(eye.laterality, patient.age_years),
-                    media: OcularMedia::healthy(patient.age_years, iris.color.glare_pigment()),
-                };
-                $($name.write(entity, owner.0, &mut affected);)+
-                let mut eye = commands.entity(entity);
-                if field != Some(&affected.field) {
-                    eye.insert(affected.field);
-                }
-                if media != Some(&affected.media) {
-                    eye.insert(affected.media);
-                }
+                write::build(app);
+                $(app.register_type::<$condition>().add_condition::<$condition>();)+
             }
         }
     };
 }
 with_conditions! { plugin! {} }
+
+#[cfg(test)]
+mod tests;

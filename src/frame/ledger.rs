@@ -72,8 +72,8 @@ ledger! {
     view_passes,
     /// Pixels of those passes.
     view_pixels,
-    /// Passes that ran code of glaucoma.
-    glaucoma_passes,
+    /// Passes that ran the code of a lost field.
+    field_loss_passes,
     /// Passes that spread the veil of clouded media.
     veil_passes,
     /// Bytes of uniforms and maps sent to the GPU by us.

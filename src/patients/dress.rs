@@ -6,9 +6,10 @@
 
 use super::file::{ConditionParts, PatientFile, PupilSetting};
 use crate::anatomy::{
-    Accommodation, Cornea, Eye, EyeOf, Eyes, Gaze, Iris, Laterality, Lens, Patient, Pupil,
-    PupilControl, Refraction, Sclera, Skin,
+    Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, Patient, PupilControl, Refraction,
+    Sclera, Skin,
 };
+use crate::conditions::Unaffected;
 use crate::percept::SharpnessField;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::system::SystemParam;
@@ -19,7 +20,7 @@ use bevy::prelude::*;
 const ROOT_BEYOND_LIMBUS_MM: f64 = 0.2;
 
 /// What a person's eye is made of.
-type EyeBundle = (Eye, Cornea, Iris, Lens, Refraction, Sclera);
+type EyeBundle = (Eye, Cornea, Iris, Lens, Refraction, Sclera, Lids);
 
 impl PatientFile {
     /// The person's own components.
@@ -97,6 +98,9 @@ impl PatientFile {
             Sclera {
                 redness: own.redness,
             },
+            Lids {
+                opening: own.lid_opening,
+            },
         )
     }
 
@@ -134,14 +138,9 @@ impl PatientFile {
                 });
                 let mut eye = match found {
                     Some(eye) => world.entity_mut(eye),
-                    None => world.spawn((
-                        EyeOf(owner),
-                        Gaze::default(),
-                        Pupil::default(),
-                        Accommodation::default(),
-                    )),
+                    None => world.spawn(EyeOf(owner)),
                 };
-                let (globe, cornea, iris, lens, refraction, sclera) =
+                let (globe, cornea, iris, lens, refraction, sclera, lids) =
                     self.eye_components(laterality);
                 put(&mut eye, globe);
                 put(&mut eye, cornea);
@@ -149,6 +148,7 @@ impl PatientFile {
                 put(&mut eye, lens);
                 put(&mut eye, refraction);
                 put(&mut eye, sclera);
+                put(&mut eye, lids);
                 self.of_eye(laterality).put_conditions(&mut eye);
             }
         });
@@ -195,15 +195,20 @@ type PersonParts = (
     &'static SharpnessField,
     &'static PupilControl,
     &'static Eyes,
+    ConditionParts<'static>,
 );
+
+/// What an eye has, and what it would have without its conditions.
+type Own<C> = (&'static C, Option<&'static Unaffected<C>>);
 
 type EyeParts = (
     &'static Eye,
     &'static Cornea,
-    &'static Iris,
+    Own<Iris>,
     &'static Lens,
-    &'static Refraction,
+    Own<Refraction>,
     &'static Sclera,
+    Own<Lids>,
     ConditionParts<'static>,
 );
 
@@ -217,8 +222,8 @@ pub struct DressedPatient<'w, 's> {
 impl DressedPatient<'_, '_> {
     /// The file that makes this person; `None` where the entity is none.
     pub fn file(&self, patient: Entity) -> Option<PatientFile> {
-        let (patient, skin, field, pupil, eyes) = self.people.get(patient).ok()?;
-        let shared = PatientFile {
+        let (patient, skin, field, pupil, eyes, conditions) = self.people.get(patient).ok()?;
+        let mut shared = PatientFile {
             name: patient.name.clone(),
             description: patient.description.clone(),
             eye: patient.leading,
@@ -234,6 +239,8 @@ impl DressedPatient<'_, '_> {
             blur_cap_arcmin: field.blur_cap_rad.to_degrees() * 60.0,
             ..PatientFile::default()
         };
+        // Of an eye that has not its own.
+        shared.take_conditions(conditions);
         let of = |wanted: Laterality| {
             eyes.entities().iter().find_map(|eye| {
                 let parts = self.eyes.get(*eye).ok()?;
@@ -251,8 +258,10 @@ impl DressedPatient<'_, '_> {
 /// The file of a person both of whose eyes are like this one.
 fn with_eye(
     shared: &PatientFile,
-    (eye, cornea, iris, lens, refraction, sclera, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (eye, cornea, iris, lens, refraction, sclera, lids, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
 ) -> PatientFile {
+    let iris = Unaffected::of(iris.0, iris.1);
+    let refraction = Unaffected::of(refraction.0, refraction.1);
     let mut file = PatientFile {
         iris_color: iris.color,
         sphere_d: refraction.sphere_d,
@@ -268,6 +277,7 @@ fn with_eye(
         scleral_radius_mm: eye.scleral_radius_mm,
         lipid_thickness_nm: cornea.lipid_thickness_nm,
         redness: sclera.redness,
+        lid_opening: Unaffected::of(lids.0, lids.1).opening,
         stroma_melanin_fraction: iris.stroma_melanin_fraction,
         border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
         eumelanin_ratio: iris.eumelanin_ratio,

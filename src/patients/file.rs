@@ -138,6 +138,26 @@ macro_rules! patient_file {
         }
 
         impl PatientFile {
+            /// The same person after a change to one of her eyes, or to both: `change` is given a file that
+            /// both eyes are like.
+            pub fn with_change(&self, of: Option<Laterality>, change: impl Fn(&mut Self)) -> Self {
+                let [mut leading, mut other] = [self.eye, self.eye.other()].map(|eye| {
+                    let mut own = self.of_eye(eye);
+                    if of.is_none_or(|of| of == eye) {
+                        change(&mut own);
+                    }
+                    own
+                });
+                // What both share follows whichever was changed.
+                if of == Some(self.eye.other()) {
+                    $(leading.$text = other.$text.clone();)+
+                    $(leading.$number = other.$number;)+
+                } else {
+                    $(other.$text = leading.$text.clone();)+
+                }
+                Self::join(leading, &other)
+            }
+
             /// The same person with both eyes like this one.
             pub fn of_eye(&self, eye: Laterality) -> Self {
                 let own = match eye {
@@ -165,7 +185,8 @@ macro_rules! patient_file {
                 let mut numbers = Vec::new();
                 $(if let Some(condition) = &self.$condition {
                     for control in <$condition_type as Condition>::controls() {
-                        numbers.push((stringify!($condition), (control.get)(condition), control.range));
+                        let value = (control.get)(condition);
+                        numbers.extend(value.map(|value| (stringify!($condition), value, control.range)));
                     }
                 })+
                 numbers
@@ -184,10 +205,10 @@ macro_rules! patient_file {
                 })+
             }
 
-            /// Takes the conditions of an eye into a file.
+            /// Takes the conditions of an eye, or a person, into a file; what it has not is left as it is.
             pub(super) fn take_conditions(&mut self, parts: ConditionParts) {
                 let ($($condition,)+) = parts;
-                $(self.$condition = $condition.cloned();)+
+                $(if let Some(condition) = $condition { self.$condition = Some(condition.clone()); })+
             }
         }
 
@@ -269,6 +290,7 @@ with_conditions! { patient_file! {
         scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
         lipid_thickness_nm = 55.0, 0 to 200, "nm", "oily layer of the tear film";
         redness = 0.12, 0 to 1, "", "redness of the conjunctiva";
+        lid_opening = 1.0, 0 to 1.2, "", "how far the lids open; 1 is usual";
     }
     eye_options {
         stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";

@@ -92,16 +92,17 @@ impl PatientFile {
     /// Checks every number against its range; `file` names the source in the error.
     pub fn check(&self, file: &str) -> Result<(), PatientError> {
         self.check_text(file)?;
-        for eye in Laterality::BOTH {
-            let one = self.of_eye(eye);
-            let own = if one == self.of_eye(eye.other()) {
-                None
-            } else {
-                Some(eye)
-            };
-            one.check_eye(file).map_err(|error| error.of_eye(own))?;
+        let [right, left] = Laterality::BOTH.map(|eye| self.of_eye(eye).check_eye(file).err());
+        let is_of_both = |one: &PatientError, other: &PatientError| {
+            // One text for one field, value and range.
+            one.to_string() == other.to_string()
+        };
+        match (right, left) {
+            (None, None) => Ok(()),
+            (Some(right), Some(left)) if is_of_both(&right, &left) => Err(right),
+            (Some(right), _) => Err(right.of_eye(Some(Laterality::OD))),
+            (None, Some(left)) => Err(left.of_eye(Some(Laterality::OS))),
         }
-        Ok(())
     }
 
     /// Checks a patient with both eyes alike.
@@ -391,6 +392,12 @@ mod tests {
             assert!(error.contains(part), "{error}");
         }
         assert!(!said("(sphere_d: -40.0)").contains("right"));
+        // What both share is nobody's alone, however else the eyes differ.
+        let error = said("(age_years: 300.0, left: (sphere_d: -4.0))");
+        assert!(
+            !error.contains("right") && !error.contains("left"),
+            "{error}"
+        );
         let error = said("(right: (age_years: 4.0))");
         assert!(
             error.contains("age_years") && error.contains("sphere_d"),

@@ -1,6 +1,7 @@
 //! What the main world hands to the view's passes each frame, and what comes back.
 
 use super::gpu_data::{MediaUniform, PerceptUniform};
+use super::movers::Moved;
 use super::pipelines::Effects;
 use crate::anatomy::VisualField;
 use bevy::asset::Handle;
@@ -34,6 +35,8 @@ pub struct CaptureRequest {
     pub source: CaptureSource,
     /// Is it another place, so that nothing remembered applies?
     pub forget: bool,
+    /// What has moved.
+    pub moved: Moved,
 }
 
 /// The visual field as a square map about the fixation; see `shaders/view/visual_field.wgsl`.

@@ -89,15 +89,15 @@ pub struct PerceptUniform {
     pub max_taps: u32,
     /// Corners that the candidate buffer holds.
     pub candidate_capacity: u32,
-    /// Glaucoma: blur added per radian of eccentricity, rad/rad.
+    /// Lost field: blur added per radian of eccentricity, rad/rad.
     pub eccentricity_penalty: f32,
-    /// Glaucoma: blur where the field is wholly lost, rad.
+    /// Lost field: blur where the field is wholly lost, rad.
     pub loss_blur_rad: f32,
-    /// Glaucoma: fraction of the light missing where the field is wholly lost, 0..1.
+    /// Lost field: fraction of the light missing where the field is wholly lost, 0..1.
     pub loss_darkening: f32,
-    /// Glaucoma: fraction of the colour missing where the field is wholly lost, 0..1.
+    /// Lost field: fraction of the colour missing where the field is wholly lost, 0..1.
     pub loss_desaturation: f32,
-    /// Glaucoma: half the side of the visual-field map, rad (40°).
+    /// Lost field: half the side of the visual-field map, rad (40°).
     pub field_half_width_rad: f32,
     /// Factor on radiance before FAST's luma: white is 1/this.
     pub luma_exposure: f32,

@@ -16,6 +16,7 @@ pub mod gather;
 pub mod gpu_data;
 mod hand_on;
 mod memory;
+mod movers;
 pub mod passes;
 pub mod pipelines;
 pub mod places;

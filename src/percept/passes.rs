@@ -10,6 +10,7 @@ use super::gpu_data::{
     mip_levels, pixel_groups, slot_groups,
 };
 use super::hand_on;
+use super::movers::MoverData;
 use super::pipelines::{Effects, Pass, Pipelines};
 use super::readback::Staging;
 use super::resources::{PerceptGpu, VeilGpu, View, ViewGpu, make_room, table_is_new};
@@ -24,10 +25,11 @@ use bevy::render::render_resource::BindingResource::{
     self, Sampler as BindSampler, TextureView as BindView,
 };
 use bevy::render::render_resource::{
-    AddressMode, CommandEncoder, ComputePassDescriptor, Extent3d, FilterMode, LoadOp,
-    MipmapFilterMode, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
-    Sampler, SamplerDescriptor, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView, TextureViewDescriptor,
+    AddressMode, Buffer, BufferInitDescriptor, BufferUsages, CommandEncoder, ComputePassDescriptor,
+    Extent3d, FilterMode, LoadOp, MipmapFilterMode, Operations, PipelineCache,
+    RenderPassColorAttachment, RenderPassDescriptor, Sampler, SamplerDescriptor, StoreOp,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    TextureViewDescriptor,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderGraph, RenderQueue, ViewQuery};
 use bevy::render::texture::GpuImage;
@@ -312,7 +314,7 @@ fn capture(
     let needed: Vec<Pass> = CAPTURE_PASSES
         .iter()
         .copied()
-        .chain([pass, Pass::GrowTable])
+        .chain([pass, Pass::GrowTable, Pass::ForgetLeft])
         .collect();
     let format = gpu.format;
     if !recorder
@@ -322,19 +324,20 @@ fn capture(
         return false;
     }
     let size = UVec2::from(frame.uniform.size);
-    let view = View::new(recorder.device, size);
     let old = make_room(gpu, recorder.device, size, request.forget);
     let Some(table) = &gpu.table else {
         return false;
     };
-    let (uniform, counters, candidates) =
-        (&gpu.capture_uniform, &gpu.feature_counters, &gpu.candidates);
+    let (counters, candidates) = (&gpu.feature_counters, &gpu.candidates);
     let mut data = frame.uniform;
     data.slot_mask = table.slots - 1;
     data.rebase_steps = FORGET;
     data.table_slots_old = old.as_ref().map_or(0, |old| old.slots);
+    let view = View::new(recorder.device, data);
+    let uniform = &view.uniform;
     queue.write_buffer(uniform, 0, bytemuck::bytes_of(&data));
 
+    let movers = movers_buffer(recorder.device, &request.moved.here);
     let mut run =
         |pass, bound: &[Bound<'_>], groups| recorder.run(pass, Effects::default(), bound, groups);
     let pixels = pixel_groups(size.x, size.y, WORKGROUP);
@@ -398,9 +401,29 @@ fn capture(
         (2, view.pixel_slot.as_entire_binding()),
         (3, table.tag.as_entire_binding()),
         (4, table.home.as_entire_binding()),
+        (5, table.keys.as_entire_binding()),
         (6, table.counters.as_entire_binding()),
+        (13, movers.as_entire_binding()),
     ];
     run(Pass::AssignSlots, &bound, pixels);
+    if let Some(before) = gpu.view.as_ref().filter(|_| !request.moved.left.is_empty()) {
+        // In the table as it is now.
+        let data = PerceptUniform {
+            slot_mask: data.slot_mask,
+            ..before.data
+        };
+        queue.write_buffer(&before.uniform, 0, bytemuck::bytes_of(&data));
+        let left = movers_buffer(recorder.device, &request.moved.left);
+        let bound = [
+            (0, before.uniform.as_entire_binding()),
+            (1, BindView(&before.vergence_view)),
+            (3, table.tag.as_entire_binding()),
+            (5, table.keys.as_entire_binding()),
+            (13, left.as_entire_binding()),
+        ];
+        let groups = pixel_groups(before.size.x, before.size.y, WORKGROUP);
+        recorder.run(Pass::ForgetLeft, Effects::default(), &bound, groups);
+    }
 
     // While an answer is on its way the next one has to wait: the eye chooses among what it saw before.
     if !gpu.readback.busy() {
@@ -425,6 +448,20 @@ fn capture(
     recorder.ledger.view_captures(1);
     recorder.ledger.feature_passes(1);
     true
+}
+
+/// What has moved, behind the number of it.
+fn movers_buffer(device: &RenderDevice, movers: &[MoverData]) -> Buffer {
+    let mut bytes = vec![0; 32];
+    bytes[..4].copy_from_slice(&(movers.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(bytemuck::cast_slice(movers));
+    // The list has room for one where there is none.
+    bytes.resize(bytes.len().max(32 + size_of::<MoverData>()), 0);
+    device.create_buffer_with_data(&BufferInitDescriptor {
+        label: Some("movers"),
+        contents: &bytes,
+        usage: BufferUsages::STORAGE,
+    })
 }
 
 /// The frames' own work: photographs' captures, field updates, pictures.
@@ -537,7 +574,7 @@ fn spread_veil(
     };
     queue.write_buffer(&veil.uniform, 0, bytemuck::bytes_of(media));
     let bound = [
-        (0, gpu.capture_uniform.as_entire_binding()),
+        (0, view.uniform.as_entire_binding()),
         (1, BindView(&view.colour_view)),
         (2, BindSampler(recorder.sampler)),
         (3, veil.uniform.as_entire_binding()),
@@ -652,7 +689,7 @@ fn show(
             * u64::from(target.texture_descriptor.size.height),
     );
     if effects.field_loss {
-        ledger.glaucoma_passes(1);
+        ledger.field_loss_passes(1);
     }
     true
 }

@@ -38,6 +38,8 @@ pub enum Pass {
     AppendCorners,
     /// The voxel of every pixel.
     AssignSlots,
+    /// What moved away is forgotten where it was.
+    ForgetLeft,
     /// An old table into a larger one.
     GrowTable,
     /// Keys back to epoch 0, or forgotten.
@@ -98,6 +100,7 @@ impl Pass {
             Self::CountCorners => "count_corners",
             Self::AppendCorners => "append_corners",
             Self::AssignSlots => "assign_slots",
+            Self::ForgetLeft => "forget_left",
             Self::GrowTable => "grow_table",
             Self::Rebase => "rebase",
             Self::UpdateField => "update_field",
@@ -150,7 +153,16 @@ impl Pass {
                 (2, WRITE),
                 (3, WRITE),
                 (4, WRITE),
+                (5, WRITE),
                 (6, WRITE),
+                (13, READ),
+            ],
+            Self::ForgetLeft => vec![
+                (0, Slot::Uniform),
+                (1, TEXEL),
+                (3, WRITE),
+                (5, WRITE),
+                (13, READ),
             ],
             Self::GrowTable => vec![
                 (0, Slot::Uniform),

@@ -26,6 +26,9 @@ pub(super) struct Table {
 /// Everything of one view's size.
 pub(super) struct View {
     pub(super) size: UVec2,
+    /// The numbers with which it was captured.
+    pub(super) data: PerceptUniform,
+    pub(super) uniform: Buffer,
     pub(super) colour: Texture,
     pub(super) colour_view: TextureView,
     pub(super) vergence_view: TextureView,
@@ -38,9 +41,8 @@ pub(super) struct View {
 }
 /// What the passes of one camera's view keep between frames.
 pub(super) struct ViewGpu {
-    /// Numbers of the frame that is shown, and of the capture: both may run in one submission.
+    /// Numbers of the frame that is shown.
     pub(super) uniform: Buffer,
-    pub(super) capture_uniform: Buffer,
     pub(super) feature_counters: Buffer,
     pub(super) candidates: Buffer,
     pub(super) view: Option<View>,
@@ -63,17 +65,8 @@ pub(super) struct ViewGpu {
 
 impl ViewGpu {
     pub(super) fn new(device: &RenderDevice) -> Self {
-        let uniform = |label| {
-            buffer(
-                device,
-                label,
-                size_of::<PerceptUniform>() as u64,
-                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            )
-        };
         Self {
-            uniform: uniform("percept"),
-            capture_uniform: uniform("percept_capture"),
+            uniform: uniform_buffer(device, "percept"),
             feature_counters: buffer(
                 device,
                 "feature_counters",
@@ -163,6 +156,16 @@ pub(super) fn buffer(
         mapped_at_creation: false,
     })
 }
+/// A buffer for the numbers of a pass.
+pub(super) fn uniform_buffer(device: &RenderDevice, label: &'static str) -> Buffer {
+    buffer(
+        device,
+        label,
+        size_of::<PerceptUniform>() as u64,
+        BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+    )
+}
+
 pub(super) const STORAGE: BufferUsages = BufferUsages::STORAGE
     .union(BufferUsages::COPY_SRC)
     .union(BufferUsages::COPY_DST);
@@ -180,7 +183,9 @@ impl Table {
     }
 }
 impl View {
-    pub(super) fn new(device: &RenderDevice, size: UVec2) -> Self {
+    /// A view to be captured with these numbers.
+    pub(super) fn new(device: &RenderDevice, data: PerceptUniform) -> Self {
+        let size = UVec2::from(data.size);
         let texture = |label, format, levels, usage| {
             device.create_texture(&TextureDescriptor {
                 label: Some(label),
@@ -213,6 +218,8 @@ impl View {
         let tiles = size.map(|side| side.div_ceil(TILE));
         Self {
             size,
+            data,
+            uniform: uniform_buffer(device, "percept_capture"),
             colour_view: colour.create_view(&TextureViewDescriptor::default()),
             colour,
             vergence_view: vergence.create_view(&TextureViewDescriptor::default()),

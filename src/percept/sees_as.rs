@@ -161,10 +161,13 @@ fn employ(worn: &mut Worn, order: isize, images: &mut Assets<Image>, commands: &
     worn.size = UVec2::ZERO;
 }
 
+/// A presenter's camera.
+type Presenter = (With<Presents>, Without<SeesAs>);
+
 /// Follows what a worn camera is given: another target, a viewport, an order.
 pub(super) fn follow_changes(
     mut cameras: Query<(&mut Camera, &mut RenderTarget, &mut Worn), With<SeesAs>>,
-    mut presenters: Query<(&mut Camera, &mut RenderTarget), (With<Presents>, Without<SeesAs>)>,
+    mut presenters: Query<(&mut Camera, &mut RenderTarget), Presenter>,
     mut images: ResMut<Assets<Image>>,
     mut commands: Commands,
 ) {

@@ -152,20 +152,26 @@ pub fn sharpness_voxel(
     voxel_size_m: f64,
     voxel_angle_rad: f64,
 ) -> Voxel {
-    let cell = |p: [f64; 3], side: f64, level| {
-        let [x, y, z] = p.map(|v| (v / side).floor() as i32);
-        [x, y, z, level]
-    };
     if vergence_per_m.is_nan() || vergence_per_m < 1.0 / FAR_M {
         return cell(direction, voxel_angle_rad, LEVEL_SKY);
     }
     let point = std::array::from_fn(|i| eye_m[i] + direction[i] / vergence_per_m);
+    sharpness_voxel_at(point, voxel_size_m, voxel_angle_rad)
+}
+
+/// Voxel of a point (m from the field's origin).
+pub fn sharpness_voxel_at(point: [f64; 3], voxel_size_m: f64, voxel_angle_rad: f64) -> Voxel {
     if voxel_size_m > 0.0 {
         return cell(point, voxel_size_m, LEVEL_UNIFORM);
     }
     let distance = point.iter().map(|v| v * v).sum::<f64>().sqrt();
     let level = distance.max(1e-4).log2().floor();
     cell(point, voxel_angle_rad * level.exp2(), level as i32)
+}
+
+fn cell(p: [f64; 3], side: f64, level: i32) -> Voxel {
+    let [x, y, z] = p.map(|v| (v / side).floor() as i32);
+    [x, y, z, level]
 }
 
 /// Finaliser of MurmurHash3.

@@ -4,8 +4,11 @@
 //! Leaves: the render layers that were touched in this frame. A shadow may fall in from outside of
 //! the picture, so a change anywhere on a camera's layers counts.
 
+use super::movers::Movers;
+use crate::appearance::model::EyePart;
 use crate::appearance::{EyeModel, EyeParts};
 use bevy::asset::AssetEvent;
+use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Exposure};
 use bevy::light::{EnvironmentMapLight, GlobalAmbientLight, Skybox};
@@ -23,6 +26,8 @@ pub struct SceneChanges {
     everywhere: bool,
     /// Layers of everything that was there.
     known: HashMap<Entity, RenderLayers>,
+    /// What has moved.
+    movers: Movers,
 }
 
 impl SceneChanges {
@@ -35,6 +40,11 @@ impl SceneChanges {
                 .touched
                 .as_ref()
                 .is_some_and(|touched| touched.intersects(layers))
+    }
+
+    /// What has moved.
+    pub(super) fn movers(&self) -> &Movers {
+        &self.movers
     }
 
     fn add(&mut self, layers: Option<&RenderLayers>) {
@@ -139,6 +149,17 @@ type Drawn<'a> = (
     Option<&'a RenderLayers>,
 );
 
+/// A mesh that may be somewhere else. The parts of an eye turn on the spot, and bend.
+type Movable = (With<Mesh3d>, Without<EyePart>, Changed<GlobalTransform>);
+
+/// Where it is.
+type Placed<'a> = (
+    Entity,
+    &'a GlobalTransform,
+    Option<&'a Aabb>,
+    Option<&'a RenderLayers>,
+);
+
 /// Notices what has changed since the last frame.
 #[expect(
     clippy::too_many_arguments,
@@ -153,6 +174,7 @@ pub(super) fn notice(
     weights: Query<(), Changed<MorphWeights>>,
     eyes: Query<Option<&RenderLayers>, (With<EyeModel>, Changed<EyeParts>)>,
     moved: Query<(), Changed<GlobalTransform>>,
+    placed: Query<Placed, Movable>,
     ambient: Option<Res<GlobalAmbientLight>>,
     drawn: Query<Drawn>,
     mut gone: Gone,
@@ -160,6 +182,11 @@ pub(super) fn notice(
 ) {
     let changes = &mut *changes;
     changes.touched = None;
+    changes.movers.begin();
+    for (entity, place, shape, layers) in &placed {
+        let shape = shape.map(|shape| (shape.center.into(), shape.half_extents.into()));
+        changes.movers.place(entity, place, shape, layers);
+    }
     // What has lost its layers is on the usual one now.
     let bare: Vec<_> = gone.layers.read().collect();
     for (entity, layers) in altered.iter().chain(unaltered.iter_many(bare)) {
@@ -177,6 +204,7 @@ pub(super) fn notice(
         .chain(gone.suns.read())
         .chain(gone.spots.read());
     for entity in gone {
+        changes.movers.forget(entity);
         // One that has been given another mesh since is altered, and counted above.
         if let Some(layers) = changes.known.remove(&entity) {
             changes.add(Some(&layers));

@@ -7,11 +7,12 @@ use super::gpu_data::{
     FORGET, MediaUniform, PerceptUniform, default_voxel_angle_rad, mip_levels, pixels_per_radian,
 };
 use super::memory::SharpnessField;
+use super::movers::{Moved, MoverData};
 use super::places::{candidates_of, direction_of, distance_m, from_the_other_eye};
 use super::sees_as::{SeesAs, Worn};
 use super::sight::{CameraLook, Look, SceneChanges};
 use crate::anatomy::{
-    Accommodation, Cornea, Eye, EyeFinder, Eyelids, Gaze, Iris, OcularMedia, Patient, Pupil,
+    Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, Lids, OcularMedia, Patient, Pupil,
     Refraction, VisualField,
 };
 use crate::frame::readiness::Readiness;
@@ -23,7 +24,7 @@ use crate::scene::photo_view::{Photograph, photo_images};
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::reflect::ReflectComponent;
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use std::sync::Arc;
@@ -41,6 +42,13 @@ const FIRST_VEIL_LEVEL: u32 = 1;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
+
+/// What is shown where nothing is seen any more: people with field loss report blurred and missing parts,
+/// not black ones (Crabb et al. 2013, who do not measure how blurred: these three are choices). Blur,
+/// share of the light and share of the colour that are gone.
+const LOSS_BLUR_DEG: f32 = 1.6;
+const LOSS_DARKENING: f32 = 0.28;
+const LOSS_DESATURATION: f32 = 0.5;
 
 /// What a user chooses about a view, on its camera.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -125,6 +133,9 @@ pub struct Percept {
     is_outdated: bool,
     /// The voxels of the memory are divided otherwise than those of the next capture.
     forget_voxels: bool,
+    /// What has moved in it, by name, as it is to be captured next, and of which it keeps something.
+    moved: Moved,
+    known_movers: HashSet<u32>,
     /// Who knows where she may look in it.
     told: Option<Entity>,
     /// How its camera drew it.
@@ -161,6 +172,8 @@ impl Default for Percept {
             lifetime: 0,
             is_outdated: false,
             forget_voxels: false,
+            moved: Moved::default(),
+            known_movers: HashSet::default(),
             told: None,
             look: Look::default(),
             taken_with: (0, 0.0, 0.0),
@@ -263,7 +276,6 @@ type Receiving<'a> = (
 pub(super) fn receive(
     mut views: Query<Receiving>,
     mut people: Query<(&GazeController, &Patient, Option<&mut Candidates>)>,
-    eyes: Query<&Eye>,
     mut has_come: Local<bool>,
     readiness: Res<Readiness>,
     finder: EyeFinder,
@@ -312,11 +324,11 @@ pub(super) fn receive(
                 list: candidates_of(&percept, controller.seed()),
                 ahead_distance_m: percept.look_at(middle).2,
             };
-            if let Ok(eye) = eyes.get(eye)
-                && eye.laterality != person.leading
+            if let Some(side) = finder.laterality(eye)
+                && side != person.leading
             {
                 for candidate in &mut found.list {
-                    *candidate = from_the_other_eye(candidate, eye.laterality, person);
+                    *candidate = from_the_other_eye(candidate, side, person);
                 }
             }
             match candidates {
@@ -408,6 +420,8 @@ pub(super) fn drive_captures(
                 let taken_with = (options.threshold, options.exposure, memory.voxel_m);
                 if percept.stage != Stage::Wanted && percept.is_recorded() {
                     percept.forget_voxels = false;
+                    let names = percept.moved.here.iter().map(MoverData::name);
+                    percept.known_movers.extend(names);
                 }
                 // Voxels of another size are another memory.
                 percept.forget_voxels |= percept.taken_with.2 != taken_with.2;
@@ -422,6 +436,14 @@ pub(super) fn drive_captures(
                 }
                 percept.sight = sight;
                 percept.taken_with = taken_with;
+                if percept.is_new && percept.stage == Stage::Wanted {
+                    percept.origin = percept.sight.pose.translation.into();
+                }
+                if (has_changed || percept.stage == Stage::Wanted) && !is_photo {
+                    let (origin, known) = (percept.origin, &percept.known_movers);
+                    let knows = |name| known.contains(&name);
+                    percept.moved = changes.movers().seen_by(layers, origin, knows);
+                }
                 let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
                 drive(percept, has_changed, quiet) && !is_photo
             }
@@ -513,12 +535,7 @@ fn sight_of(percept: &Percept, transform: &GlobalTransform, projection: &Project
 fn drive(percept: &mut Percept, has_changed: bool, quiet: bool) -> bool {
     match percept.stage {
         // The camera draws twice: once so that its pipelines are asked for, once for the capture.
-        Stage::Wanted if quiet => {
-            if percept.is_new {
-                percept.origin = percept.sight.pose.translation.into();
-            }
-            percept.ask();
-        }
+        Stage::Wanted if quiet => percept.ask(),
         Stage::Wanted => percept.waited += 1,
         Stage::Asked if (has_changed || percept.is_unread) && percept.is_recorded() => {
             percept.ask()
@@ -565,6 +582,7 @@ type SeeingEye<'a> = (
     &'a Refraction,
     &'a Cornea,
     &'a Iris,
+    &'a Lids,
     Option<Ref<'a, VisualField>>,
     Option<&'a OcularMedia>,
 );
@@ -639,7 +657,7 @@ fn frame_of(
     percept: &mut Percept,
     shows: &Shows,
     options: &ViewOptions,
-    (gaze, pupil, accommodation, refraction, cornea, iris, field, media): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (gaze, pupil, accommodation, refraction, cornea, iris, own_lids, field, media): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
     (lids, memory, controller): <Seer<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
     target: &Handle<Image>,
 ) -> PerceptFrame {
@@ -670,7 +688,8 @@ fn frame_of(
     uniform.refraction_d = refraction.spherical_equivalent_d() as f32;
     let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.depth_mm);
     uniform.pupil_m = (entrance_mm * 1e-3) as f32;
-    uniform.lid_aperture = lids.aperture as f32;
+    let aperture = lids.aperture * own_lids.opening;
+    uniform.lid_aperture = aperture as f32;
     uniform.epoch = u32::from(memory.clock().epoch());
     uniform.starve_steps = memory.clock().starve_steps();
     uniform.rebase_steps = memory.rebase_steps();
@@ -703,6 +722,7 @@ fn frame_of(
             None => CaptureSource::Scene,
         },
         forget: percept.is_new || percept.forget_voxels,
+        moved: percept.moved.clone(),
     });
     if !shows.quiet {
         // A pass whose pipeline is not built yet is skipped, so what was asked for may not be shown.
@@ -712,14 +732,17 @@ fn frame_of(
     // During a saccade vision is suppressed, and behind closed lids there is none. A new view is looked
     // at once all the same, or its voxels that an older view left unseen would stand between those that
     // it saw.
-    let seeing = lids.aperture > SEEING_APERTURE && (!controller.state().in_saccade || first);
+    let seeing = aperture > SEEING_APERTURE && (!controller.state().in_saccade || first);
     let media = media
         .filter(|media| !media.is_clear())
         .map(|media| percept.media_uniform(media, &uniform));
     let changed = percept.shown != Some((uniform, media)) || capture.is_some();
     let frame = PerceptFrame {
         visible,
-        update: visible && (captured || follows) && (shows.moved || first) && seeing,
+        update: visible
+            && (captured || follows)
+            && (shows.moved || first || capture.is_some())
+            && seeing,
         present: visible && (captured || stands_in || follows) && (changed || percept.forget),
         forget: (captured || follows) && percept.forget,
         uniform,
@@ -814,9 +837,9 @@ fn loss_numbers(uniform: &mut PerceptUniform, field: &VisualField) {
     // The healthy slope is one minute of arc in E2; the uniform adds what exceeds it.
     let slope = uniform.neural_floor_rad / uniform.eccentricity_e2_rad;
     uniform.eccentricity_penalty = (field.eccentricity_factor() as f32 - 1.0).max(0.0) * slope;
-    uniform.loss_blur_rad = 1.6_f32.to_radians();
-    uniform.loss_darkening = 0.28;
-    uniform.loss_desaturation = 0.5;
+    uniform.loss_blur_rad = LOSS_BLUR_DEG.to_radians();
+    uniform.loss_darkening = LOSS_DARKENING;
+    uniform.loss_desaturation = LOSS_DESATURATION;
 }
 
 fn update_field_map(percept: &mut Percept, field: Option<&Ref<VisualField>>) {

@@ -319,6 +319,31 @@ fn sharpness_voxel() {
 }
 
 #[test]
+fn sharpness_voxel_at() {
+    for side_m in [0.0, 0.01] {
+        pass(&Twin {
+            name: "sharpness_voxel_at",
+            library: &["sharpness_voxel"],
+            call: "let v = sharpness_voxel_at(vec3f(x[0], x[1], x[2]), x[3], x[4]); \
+                   y[0] = f32(v.x); y[1] = f32(v.y); y[2] = f32(v.z); y[3] = f32(v.w);",
+            draw: &|rng| {
+                let point: [f32; 3] = core::array::from_fn(|_| between(rng, -8.0, 8.0));
+                [&point[..], &[side_m, between(rng, 1e-3, 2e-2)]].concat()
+            },
+            exact: &|x| {
+                field::sharpness_voxel_at(d3(x), x[3], x[4])
+                    .map(f64::from)
+                    .to_vec()
+            },
+            absolute: 0.0,
+            relative: 0.0,
+            // As for the points of a view.
+            steep_share: 0.005,
+        });
+    }
+}
+
+#[test]
 fn sharpness_voxel_names() {
     // Words as two halves of 16 bits each, which f32 holds exactly.
     let split = |words: &[u32]| -> Vec<f64> {

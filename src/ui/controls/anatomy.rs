@@ -1,10 +1,31 @@
 //! The patient's numbers as sliders, from the table of a patient file's fields, and her conditions.
 
 use super::super::state::{Controlled, UiState};
+use crate::anatomy::Laterality;
 use crate::conditions::{Condition, with_conditions};
 use crate::patients::{FIELDS, Field, PatientFile};
 use crate::stage::SessionCommand;
 use bevy_egui::egui::{self, Ui};
+
+/// Which eyes the sliders are about.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Chosen(Option<Laterality>);
+
+impl Chosen {
+    const ALL: [Self; 3] = [
+        Self(None),
+        Self(Some(Laterality::OD)),
+        Self(Some(Laterality::OS)),
+    ];
+
+    fn name(self) -> &'static str {
+        match self.0 {
+            None => "both eyes",
+            Some(Laterality::OD) => "right eye",
+            Some(Laterality::OS) => "left eye",
+        }
+    }
+}
 
 /// Draws the sliders of everything that a patient file may say.
 pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
@@ -18,10 +39,19 @@ pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
             .data(|data| data.get_temp::<(PatientFile, PatientFile)>(id))
             .filter(|(before, _)| *before == shown)
             .map_or_else(|| shown.clone(), |(_, wanted)| wanted);
-        let mut settled = conditions(ui, state, &mut wanted);
+        let chosen = choose_eye(ui, state);
+        // The one that leads stands for both.
+        let mut one = wanted.of_eye(chosen.0.unwrap_or(wanted.eye));
+        let before = one.clone();
+        let mut settled = conditions(ui, state, &mut one);
         ui.add_space(4.0);
         for field in FIELDS.iter().filter(|field| field.name != "pupil") {
-            settled |= slider(ui, field, &mut wanted);
+            if field.per_eye || chosen.0.is_none() {
+                settled |= slider(ui, field, &mut one);
+            }
+        }
+        if one != before {
+            wanted = wanted.with_change(chosen.0, |eye| take_changes(eye, &before, &one));
         }
         ui.data_mut(|data| data.insert_temp(id, (shown.clone(), wanted.clone())));
         if settled && wanted != shown && wanted.check("The patient").is_ok() {
@@ -34,6 +64,35 @@ pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         }
     });
     state.places.insert("anatomy", header.header_response.rect);
+}
+
+/// Both eyes, or one of them.
+fn choose_eye(ui: &mut Ui, state: &mut UiState) -> Chosen {
+    let id = egui::Id::new("eyes being changed");
+    let mut chosen = ui
+        .data(|data| data.get_temp::<Chosen>(id))
+        .unwrap_or_default();
+    ui.horizontal(|ui| {
+        for one in Chosen::ALL {
+            let button = ui.selectable_value(&mut chosen, one, one.name());
+            state.places.insert(one.name(), button.rect);
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(id, chosen));
+    chosen
+}
+
+/// Gives an eye what was changed between two states of another, and nothing else of it.
+fn take_changes(eye: &mut PatientFile, before: &PatientFile, after: &PatientFile) {
+    for field in FIELDS {
+        let (was, is) = ((field.get)(before), (field.get)(after));
+        if let Some(value) = is
+            && was != is
+        {
+            (field.set)(eye, value);
+        }
+    }
+    take_changed_conditions(eye, before, after);
 }
 
 /// Is this number to be taken as it is now?
@@ -87,8 +146,11 @@ fn condition<C: Condition>(
         return settled;
     };
     for control in C::controls() {
-        let mut value = (control.get)(own);
         let (low, high) = control.range;
+        // What is given in place of others is set in files and links.
+        let Some(mut value) = (control.get)(own) else {
+            continue;
+        };
         let slider = egui::Slider::new(&mut value, low..=high).max_decimals(1);
         let slider = ui
             .add(slider.text(control.name))
@@ -104,6 +166,10 @@ fn condition<C: Condition>(
 
 macro_rules! conditions {
     (conditions { $($name:ident: $condition:ty, $meaning:literal;)+ }) => {
+        fn take_changed_conditions(eye: &mut PatientFile, before: &PatientFile, after: &PatientFile) {
+            $(if before.$name != after.$name { eye.$name = after.$name.clone(); })+
+        }
+
         /// Every condition.
         fn conditions(ui: &mut Ui, state: &mut UiState, wanted: &mut PatientFile) -> bool {
             [$(condition::<$condition>(ui, state, stringify!($name), &mut wanted.$name)),+]
@@ -112,3 +178,43 @@ macro_rules! conditions {
     };
 }
 with_conditions! { conditions! {} }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conditions::Cataract;
+
+    #[test]
+    fn a_change_of_one_eye_leaves_the_other_as_it_was() {
+        let file = PatientFile {
+            eye: Laterality::OS,
+            sphere_d: -1.0,
+            ..PatientFile::default()
+        };
+        let change = |of: Option<Laterality>, file: &PatientFile, sphere_d: f64| {
+            let before = file.of_eye(of.unwrap_or(file.eye));
+            let after = PatientFile {
+                sphere_d,
+                cataract: Some(Cataract::nuclear(3.0)),
+                ..before.clone()
+            };
+            file.with_change(of, |eye| take_changes(eye, &before, &after))
+        };
+        let [right, left] = Laterality::BOTH;
+        for one in [right, left] {
+            let changed = change(Some(one), &file, -3.0);
+            assert_eq!(changed.of_eye(one).sphere_d, -3.0);
+            assert!(changed.of_eye(one).cataract.is_some());
+            assert_eq!(changed.of_eye(one.other()), file.of_eye(one.other()));
+        }
+        // Of two that differ only what was changed becomes alike.
+        let mut differing = change(Some(right), &file, -3.0);
+        differing.right.redness = Some(0.9);
+        let both = change(None, &differing, -2.0);
+        for eye in [right, left] {
+            assert_eq!(both.of_eye(eye).sphere_d, -2.0);
+        }
+        assert_eq!(both.of_eye(right).redness, 0.9);
+        assert_ne!(both.of_eye(left).redness, 0.9);
+    }
+}

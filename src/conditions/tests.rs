@@ -1,0 +1,172 @@
+//! Conditions on entities: written, changed, taken away, several at once, and of other crates.
+
+use super::*;
+use crate::anatomy::{Eye, EyeOf, Laterality, Patient, Sclera};
+
+/// A condition that no list of ours names: every dioptre of it is one of short sight, and it turns the
+/// iris blue.
+#[derive(Component, Clone, PartialEq)]
+struct Borrowed(f64);
+
+impl Condition for Borrowed {
+    const TITLE: &'static str = "Borrowed";
+
+    fn onset() -> Self {
+        Self(1.0)
+    }
+
+    fn controls() -> &'static [Control<Self>] {
+        &[]
+    }
+
+    fn write(&self, affected: &mut Affected) {
+        affected.refraction.sphere_d -= self.0;
+        affected.iris.color = crate::anatomy::IrisColor::Blue;
+        affected.lids.opening *= 0.5;
+    }
+
+    fn caption(&self) -> String {
+        String::new()
+    }
+}
+
+pub(super) fn iris() -> Iris {
+    Iris {
+        color: crate::anatomy::IrisColor::Brown,
+        stroma_melanin_fraction: None,
+        border_layer_melanin_fraction: None,
+        eumelanin_ratio: None,
+        depth_mm: 3.6,
+        root_radius_mm: 6.05,
+        pupil_decentration_mm: [0.0; 2],
+    }
+}
+
+/// An app with somebody who has two eyes.
+fn app() -> (App, Entity, [Entity; 2]) {
+    let mut app = App::new();
+    app.add_plugins(ConditionsPlugin)
+        .add_condition::<Borrowed>();
+    // Twice is once.
+    app.add_condition::<Borrowed>();
+    let world = app.world_mut();
+    let patient = world.spawn(Patient::default()).id();
+    let eyes = Laterality::BOTH.map(|laterality| {
+        world
+            .spawn((
+                EyeOf(patient),
+                Eye {
+                    laterality,
+                    scleral_radius_mm: 11.5,
+                    angle_alpha_deg: [0.0; 2],
+                },
+                iris(),
+                Refraction::default(),
+                Lids::default(),
+                Sclera::default(),
+            ))
+            .id()
+    });
+    app.update();
+    (app, patient, eyes)
+}
+
+fn sphere_d(app: &App, eye: Entity) -> f64 {
+    app.world()
+        .get::<Refraction>(eye)
+        .expect("refraction")
+        .sphere_d
+}
+
+#[test]
+fn a_condition_of_another_crate_changes_an_eye_and_gives_it_back() {
+    let (mut app, _, [right, left]) = app();
+    app.world_mut().entity_mut(right).insert(Borrowed(2.0));
+    app.update();
+    assert_eq!((sphere_d(&app, right), sphere_d(&app, left)), (-2.0, 0.0));
+    let opening = |app: &App| app.world().get::<Lids>(right).expect("lids").opening;
+    assert_eq!(opening(&app), 0.5);
+    // Its own error is changed as it always was; the condition adds to it.
+    app.world_mut()
+        .get_mut::<Refraction>(right)
+        .expect("refraction")
+        .sphere_d = 1.0;
+    app.update();
+    assert_eq!(sphere_d(&app, right), -1.0);
+    let own = |app: &App| {
+        let eye = app.world().entity(right);
+        let now = eye.get::<Refraction>().expect("refraction");
+        Unaffected::of(now, eye.get::<Unaffected<Refraction>>()).sphere_d
+    };
+    assert_eq!(own(&app), 1.0);
+    // Nothing adds up over frames.
+    for _ in 0..3 {
+        app.update();
+    }
+    assert_eq!((sphere_d(&app, right), own(&app)), (-1.0, 1.0));
+    app.world_mut().entity_mut(right).insert(Borrowed(0.5));
+    app.update();
+    assert_eq!(sphere_d(&app, right), 0.5);
+    app.world_mut().entity_mut(right).remove::<Borrowed>();
+    app.update();
+    assert_eq!((sphere_d(&app, right), opening(&app)), (1.0, 1.0));
+    assert_eq!(app.world().get::<Iris>(right), Some(&iris()));
+    assert!(app.world().get::<Unaffected<Refraction>>(right).is_none());
+}
+
+#[test]
+fn several_conditions_write_into_one_eye() {
+    let (mut app, patient, [right, left]) = app();
+    app.world_mut()
+        .entity_mut(patient)
+        .insert(Glaucoma::from(GlaucomaStage::Severe));
+    app.world_mut()
+        .entity_mut(left)
+        .insert((Cataract::nuclear(4.0), Borrowed(1.0)));
+    app.update();
+    let is = |app: &App, eye: Entity| {
+        let world = app.world();
+        (
+            world.get::<VisualField>(eye).expect("a field").is_whole(),
+            world.get::<OcularMedia>(eye).expect("media").is_clear(),
+        )
+    };
+    assert_eq!(
+        (is(&app, right), is(&app, left)),
+        ((false, true), (false, false))
+    );
+    // A nucleus of grade 4 makes an eye short-sighted, and the other adds to it.
+    assert!(sphere_d(&app, left) < -1.5 && sphere_d(&app, right) == 0.0);
+    app.world_mut().entity_mut(patient).remove::<Glaucoma>();
+    app.world_mut()
+        .entity_mut(left)
+        .remove::<(Cataract, Borrowed)>();
+    app.update();
+    assert_eq!(
+        (is(&app, right), is(&app, left)),
+        ((true, true), (true, true))
+    );
+    assert_eq!(sphere_d(&app, left), 0.0);
+}
+
+#[test]
+fn an_eye_without_change_is_not_written() {
+    let (mut app, _, [right, _]) = app();
+    app.world_mut().entity_mut(right).insert(Borrowed(2.0));
+    app.update();
+    app.update();
+    let tick = app
+        .world()
+        .entity(right)
+        .get_ref::<Refraction>()
+        .expect("one")
+        .last_changed();
+    app.update();
+    let now = app
+        .world()
+        .entity(right)
+        .get_ref::<Refraction>()
+        .expect("one")
+        .last_changed();
+    assert_eq!(tick, now);
+}

@@ -1,0 +1,190 @@
+//! Conditions into anatomy, where either has changed.
+
+use super::{Affected, Condition};
+use crate::anatomy::{Eye, EyeOf, Eyes, Iris, Lids, OcularMedia, Patient, Refraction, VisualField};
+use crate::frame::EyeSystems;
+use bevy::ecs::entity::EntityHashSet;
+use bevy::prelude::*;
+use core::any::TypeId;
+
+/// What an eye would have without the conditions that have changed it. Whoever writes the component
+/// itself, a patient file or a slider, writes this: the conditions then change it again.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct Unaffected<C: Component> {
+    own: C,
+    written: C,
+}
+
+impl<C: Component + Clone + PartialEq> Unaffected<C> {
+    /// What an eye that has `now` would have without its conditions.
+    pub fn of(now: &C, unaffected: Option<&Self>) -> C {
+        match unaffected {
+            Some(known) if known.written == *now => known.own.clone(),
+            _ => now.clone(),
+        }
+    }
+
+    fn read(eye: EntityRef) -> Option<C> {
+        Some(Self::of(eye.get::<C>()?, eye.get::<Self>()))
+    }
+
+    /// Gives an eye what its conditions have made of its own.
+    fn write(eye: &mut EntityWorldMut, own: C, written: C) {
+        if own == written {
+            eye.remove::<Self>();
+        } else {
+            eye.insert(Self {
+                own,
+                written: written.clone(),
+            });
+        }
+        put(eye, written);
+    }
+}
+
+/// Gives an entity a component, which is news only where it differs from the one that is there.
+fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
+    if entity.get::<C>() != Some(&component) {
+        entity.insert(component);
+    }
+}
+
+/// What a kind of condition does to an eye, if the eye or its owner has it.
+type Writer = fn(EntityRef, EntityRef, &mut Affected);
+
+/// Every kind of condition, in the order in which they write.
+#[derive(Resource, Default)]
+struct Writers(Vec<(TypeId, Writer)>);
+
+/// Eyes, and people, whose conditions or anatomy have changed.
+#[derive(Resource, Default)]
+struct Stale(EntityHashSet);
+
+/// The steps of the work, in their order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Step {
+    Notice,
+    Write,
+}
+
+/// Adds conditions to an app.
+pub trait AddCondition {
+    /// Makes eyes and people with this component have this condition. To be called after
+    /// [`super::ConditionsPlugin`] was added; conditions write in the order in which they were added.
+    fn add_condition<C: Condition>(&mut self) -> &mut Self;
+}
+
+impl AddCondition for App {
+    fn add_condition<C: Condition>(&mut self) -> &mut Self {
+        let writer: Writer = |eye, owner, affected| {
+            if let Some(condition) = eye.get::<C>().or_else(|| owner.get::<C>()) {
+                condition.write(affected);
+            }
+        };
+        let mut writers = self.world_mut().get_resource_or_init::<Writers>();
+        if writers.0.iter().any(|(of, _)| *of == TypeId::of::<C>()) {
+            return self;
+        }
+        writers.0.push((TypeId::of::<C>(), writer));
+        self.add_systems(Update, notice::<C>.in_set(Step::Notice))
+    }
+}
+
+/// Whose condition of this kind is new, changed or gone.
+fn notice<C: Condition>(
+    changed: Query<Entity, Changed<C>>,
+    mut gone: RemovedComponents<C>,
+    mut stale: ResMut<Stale>,
+) {
+    if !changed.is_empty() || !gone.is_empty() {
+        stale.0.extend(changed.iter().chain(gone.read()));
+    }
+}
+
+/// What of an eye or its owner its anatomy depends on.
+type AnatomyChanged = Or<(
+    Changed<Eye>,
+    Changed<EyeOf>,
+    Changed<Iris>,
+    Changed<Refraction>,
+    Changed<Lids>,
+    Changed<Patient>,
+)>;
+
+fn notice_anatomy(changed: Query<Entity, AnatomyChanged>, mut stale: ResMut<Stale>) {
+    if !changed.is_empty() {
+        stale.0.extend(&changed);
+    }
+}
+
+/// Writes what every stale eye has.
+fn write_anatomy(world: &mut World) {
+    if world.resource::<Stale>().0.is_empty() {
+        return;
+    }
+    let stale = core::mem::take(&mut world.resource_mut::<Stale>().0);
+    let mut eyes = EntityHashSet::default();
+    for entity in stale {
+        let Ok(entity) = world.get_entity(entity) else {
+            continue;
+        };
+        if entity.contains::<Eye>() {
+            eyes.insert(entity.id());
+        }
+        if let Some(own) = entity.get::<Eyes>() {
+            eyes.extend(own.entities());
+        }
+    }
+    world.resource_scope(|world, writers: Mut<Writers>| {
+        for eye in eyes {
+            write_eye(world, eye, &writers.0);
+        }
+    });
+}
+
+/// Writes what one eye has; one that is not whole yet is left alone.
+fn write_eye(world: &mut World, entity: Entity, writers: &[(TypeId, Writer)]) -> Option<()> {
+    let eye = world.get_entity(entity).ok()?;
+    let owner = world.get_entity(eye.get::<EyeOf>()?.0).ok()?;
+    let age_years = owner.get::<Patient>()?.age_years;
+    let own = Affected {
+        field: VisualField::normal(eye.get::<Eye>()?.laterality, age_years),
+        media: OcularMedia::healthy(
+            age_years,
+            Unaffected::<Iris>::read(eye)?.color.glare_pigment(),
+        ),
+        refraction: Unaffected::read(eye)?,
+        iris: Unaffected::read(eye)?,
+        lids: Unaffected::read(eye)?,
+    };
+    let mut affected = own.clone();
+    for (_, writer) in writers {
+        writer(eye, owner, &mut affected);
+    }
+    let mut eye = world.entity_mut(entity);
+    put(&mut eye, affected.field);
+    put(&mut eye, affected.media);
+    Unaffected::write(&mut eye, own.refraction, affected.refraction);
+    Unaffected::write(&mut eye, own.iris, affected.iris);
+    Unaffected::write(&mut eye, own.lids, affected.lids);
+    Some(())
+}
+
+pub(super) fn build(app: &mut App) {
+    app.init_resource::<Writers>()
+        .init_resource::<Stale>()
+        .configure_sets(
+            Update,
+            (Step::Notice, Step::Write)
+                .chain()
+                .in_set(EyeSystems::Sense)
+                .after(crate::frame::EyeCommands),
+        )
+        .add_systems(
+            Update,
+            (
+                notice_anatomy.in_set(Step::Notice),
+                write_anatomy.in_set(Step::Write),
+            ),
+        );
+}
