@@ -371,7 +371,13 @@ fn contrast(picture: &RgbaImage, [x, y]: [u32; 2], side: u32) -> f64 {
 
 /// A board of black and white squares, 8 × 8, on a cuboid.
 fn board(world: &mut World, place: Transform) -> Entity {
-    let texel = |k: usize| if (k / 8 + k % 8).is_multiple_of(2) { 20 } else { 235 };
+    let texel = |k: usize| {
+        if (k / 8 + k % 8).is_multiple_of(2) {
+            20
+        } else {
+            235
+        }
+    };
     let mut image = Image::new(
         Extent3d {
             width: 8,

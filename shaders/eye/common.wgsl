@@ -46,7 +46,7 @@ fn footprint_at(distance_mm: f32) -> f32 {
 // Radiance as this camera wants it: under its exposure, and through the output transform where it has
 // none of its own.
 fn shown(studio: Studio, radiance: vec3<f32>) -> vec3<f32> {
-    let exposure = studio.key_color.w * mix(1.0, view.exposure, studio.ambient_down.w);
+    let exposure = studio.exposure * mix(1.0, view.exposure, studio.is_luminance);
 #ifdef RADIANCE
     return radiance * exposure;
 #else

@@ -11,20 +11,31 @@ struct Globe {
     lids: Lids,
     // Rotation from the eye frame to the head frame, columns.
     head_from_eye: mat4x4<f32>,
-    // Anterior (R, p) and posterior (R, p), mm.
-    cornea: vec4<f32>,
-    // Thickness mm, index of the cornea, index of the aqueous, depth of the apex before the centre mm.
-    cornea_inside: vec4<f32>,
-    // Depth of the iris behind the apex, radius of its root, radius of the pupil, radius of the limbus; mm.
-    iris: vec4<f32>,
-    // Centre of the pupil (x, y) mm; radius of the scleral sphere mm; lipid thickness nm.
-    pupil: vec4<f32>,
-    // x: radius of a cloud at the lens's capsule, mm, y: pinkness of the canthi, z: +1 OD, -1 OS, w: relief.
-    options: vec4<f32>,
-    // What a lens of this age sends back, rgb.
-    lens: vec4<f32>,
-    // What a clouded nucleus sends back beyond it, rgb; w: share of the lens under clouded cortex.
-    nucleus: vec4<f32>,
+    // Apical radius (mm) and shape factor of front and back of the cornea.
+    anterior: vec2<f32>,
+    posterior: vec2<f32>,
+    thickness_mm: f32,
+    cornea_index: f32,
+    aqueous_index: f32,
+    // From the globe's centre to the corneal apex.
+    apex_mm: f32,
+    // Behind the apex.
+    iris_depth_mm: f32,
+    iris_root_mm: f32,
+    pupil_radius_mm: f32,
+    limbus_mm: f32,
+    pupil_center_mm: vec2<f32>,
+    sclera_radius_mm: f32,
+    lipid_nm: f32,
+    // What a lens of this age sends back.
+    lens: vec3<f32>,
+    cortical_share: f32,
+    // What a clouded nucleus sends back beyond it.
+    nucleus: vec3<f32>,
+    capsule_radius_mm: f32,
+    // What a cloud at the capsule sends back.
+    capsule: vec3<f32>,
+    relief: f32,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
@@ -47,17 +58,17 @@ fn head_from_eye() -> mat3x3f {
 #ifdef CORNEA
 // What is seen through the cornea: iris and pupil, dimmed by the two interfaces.
 fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidShade) -> vec3f {
-    let trace = cornea_trace(origin, direction, globe.cornea.xy, globe.cornea.zw, globe.cornea_inside.x, globe.cornea_inside.y, globe.cornea_inside.z, globe.iris.x);
+    let trace = cornea_trace(origin, direction, globe.anterior, globe.posterior, globe.thickness_mm, globe.cornea_index, globe.aqueous_index, globe.iris_depth_mm);
     if trace.valid < 0.5 {
         return vec3f(0.02, 0.018, 0.016);
     }
-    let iris = IrisFrame(globe.iris.y, globe.iris.z, globe.iris.w, globe.options.w, globe.pupil.xy);
+    let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm);
     let place = iris_place(trace.point.xy, iris);
     let lit = iris_radiance(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.studio, head_from_eye(), trace.point.xy, trace.direction, place, footprint, shade);
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
-    var lens = globe.lens.rgb;
+    var lens = globe.lens;
 #ifdef CLOUDED
-    lens += lens_cloud(globe.nucleus, globe.options.x, trace.point.xy);
+    lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy);
 #endif
     let inside = iris_and_pupil(pupil_radiance(globe.studio, lens, shade), lit, edge, place.uv.y);
     return inside * trace.transmittance;
@@ -71,20 +82,20 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var normal = normalize(in.normal);
     var corneal = 0.0;
 #ifdef CORNEA
-    let apex = vec3f(0.0, 0.0, -globe.cornea_inside.w);
+    let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let origin = in.camera - apex;
-    let t = conicoid_intersect(origin, direction, globe.cornea.x, globe.cornea.y);
+    let t = conicoid_intersect(origin, direction, globe.anterior.x, globe.anterior.y);
     if t > 0.0 {
         let hit = origin + t * direction;
         let r = length(hit.xy);
-        corneal = limbus_share(r, globe.iris.w);
-        if r < globe.iris.w { p = hit + apex; }
-        normal = limbus_normal(normal, conicoid_normal(hit, globe.cornea.x, globe.cornea.y), corneal);
+        corneal = limbus_share(r, globe.limbus_mm);
+        if r < globe.limbus_mm { p = hit + apex; }
+        normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior.x, globe.anterior.y), corneal);
     }
 #endif
     let shade = lid_shade(globe.lids, head_from_eye() * p);
     let footprint = footprint_at(distance(p, in.camera));
-    let sclera = sclera_shade(sclera_map, sclera_sampler, p, normal, footprint, globe.pupil.z, globe.studio, head_from_eye(), shade);
+    let sclera = sclera_shade(sclera_map, sclera_sampler, p, normal, footprint, globe.sclera_radius_mm, globe.studio, head_from_eye(), shade);
     var diffuse = sclera.diffuse;
     var wet_normal = sclera.normal;
 #ifdef CORNEA
@@ -95,8 +106,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let n_head = normalize(head_from_eye() * wet_normal);
     let v_head = head_from_eye() * -direction;
     let key = globe.studio.key_direction;
-    var specular = tear_reflection(globe.studio, n_head, v_head, mix(0.16, 0.012, corneal), globe.pupil.w, shade.upper_gap);
-    let broken = globe.studio.key_color.rgb * lamp_lobe(n_head, v_head, key.xyz, lamp_alpha(0.24, 0.25 * (key.w * 0.25)), 1.336, 1e-3);
+    var specular = tear_reflection(globe.studio, n_head, v_head, mix(0.16, 0.012, corneal), globe.lipid_nm, shade.upper_gap);
+    let broken = globe.studio.key_color * lamp_lobe(n_head, v_head, key, lamp_alpha(0.24, 0.25 * (globe.studio.key_radius * 0.25)), 1.336, 1e-3);
     specular += broken * shade.key * (1.0 - corneal);
     return vec4f(shown(globe.studio, diffuse + specular), 1.0);
 }

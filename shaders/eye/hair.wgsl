@@ -2,10 +2,10 @@
 
 struct Hair {
     studio: Studio,
-    // Colour at the root, linear sRGB; w unused.
-    root: vec4<f32>,
+    // Colour at the root, linear sRGB.
+    root: vec3<f32>,
     // Colour at the tip.
-    tip: vec4<f32>,
+    tip: vec3<f32>,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> hair: Hair;
@@ -15,7 +15,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
     // tissue: xyz the direction of the fibre, w 0 at the root and 1 at the tip.
     let along = normalize(in.tissue.xyz + vec3(0.0, 1e-5, 0.0));
-    let color = mix(hair.root.rgb, hair.tip.rgb, in.tissue.w);
+    let color = mix(hair.root, hair.tip, in.tissue.w);
     let radiance = hair_radiance(hair.studio, color, along, v);
     return vec4(shown(hair.studio, radiance), 1.0);
 }

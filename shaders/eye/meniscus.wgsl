@@ -3,8 +3,8 @@
 
 struct Meniscus {
     studio: Studio,
-    // x: strength of the reflections (height of the meniscus against its mean).
-    options: vec4<f32>,
+    // How strongly it mirrors (height of the meniscus against its mean).
+    strength: f32,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> meniscus: Meniscus;
@@ -12,7 +12,7 @@ struct Meniscus {
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
-    let radiance = meniscus_reflection(meniscus.studio, normalize(in.normal), v) * meniscus.options.x;
+    let radiance = meniscus_reflection(meniscus.studio, normalize(in.normal), v) * meniscus.strength;
     // Added in display space, so keep the tone curve's small-signal slope of one.
     return vec4(shown(meniscus.studio, radiance), 0.0);
 }

@@ -2,12 +2,15 @@
 
 struct Skin {
     studio: Studio,
-    // Albedo of the skin, linear sRGB; w: roughness.
-    albedo: vec4<f32>,
-    // Colour of blood-rich, wet tissue (margin, caruncle); w: pore strength.
-    flesh: vec4<f32>,
-    // x: radius of the globe, mm.
-    globe: vec4<f32>,
+    // Linear sRGB.
+    albedo: vec3<f32>,
+    // Of its sheen.
+    roughness: f32,
+    // Colour of blood-rich, wet tissue (margin, caruncle).
+    flesh: vec3<f32>,
+    // How deep the pores are.
+    pores: f32,
+    globe_radius_mm: f32,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> skin: Skin;
@@ -29,8 +32,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let fine = textureSampleLevel(skin_map, skin_sampler, q.xy / TILE_MM, footprint_level(footprint, texel_mm));
     // A second, larger look at the same tile hides that it repeats.
     let coarse = textureSampleLevel(skin_map, skin_sampler, q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
-    let n = skin_normal(normalize(in.normal), v, in.tissue, skin.flesh.w, fine, coarse);
-    let albedo = skin_albedo(skin.albedo.rgb, skin.flesh.rgb, in.tissue, fine, coarse, length(p), skin.globe.x);
-    let radiance = albedo * skin_light(skin.studio, n, in.tissue) + skin_specular(skin.studio, n, v, in.tissue, skin.albedo.w);
+    let n = skin_normal(normalize(in.normal), v, in.tissue, skin.pores, fine, coarse);
+    let albedo = skin_albedo(skin.albedo, skin.flesh, in.tissue, fine, coarse, length(p), skin.globe_radius_mm);
+    let radiance = albedo * skin_light(skin.studio, n, in.tissue) + skin_specular(skin.studio, n, v, in.tissue, skin.roughness);
     return vec4(shown(skin.studio, radiance), 1.0);
 }

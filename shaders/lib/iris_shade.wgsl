@@ -52,21 +52,21 @@ fn iris_radiance(
     let view_cosine = max(-dot(normal, direction), 0.2);
 
     // A row times the turn into the head is the column times the turn out of it.
-    let key = iris_light(light_table, linear, studio.key_direction.xyz * head_from_eye, point + moved, iris.root, iris.limbus);
-    let fill = iris_light(light_table, linear, studio.fill_direction.xyz * head_from_eye, point + moved, iris.root, iris.limbus);
+    let key = iris_light(light_table, linear, studio.key_direction * head_from_eye, point + moved, iris.root, iris.limbus);
+    let fill = iris_light(light_table, linear, studio.fill_direction * head_from_eye, point + moved, iris.root, iris.limbus);
     let shadow = relief_shadow(map, polar, place, texel.height, key.xyz, lod);
     let path = iris_path(texel.thickness, key.z, view_cosine);
     let reflectance = textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, texel.melanin), 0.0).rgb;
 
-    var light = studio.key_color.rgb * (key.w * relief_gain(normal, key.xyz) * shadow * shade.key);
-    light += studio.fill_color.rgb * (fill.w * relief_gain(normal, fill.xyz) * shade.sky);
+    var light = studio.key_color * (key.w * relief_gain(normal, key.xyz) * shadow * shade.key);
+    light += studio.fill_color * (fill.w * relief_gain(normal, fill.xyz) * shade.sky);
     light += studio_ambient(studio, -head_from_eye[2]) * (iris_openness(texel.height) * shade.sky * 0.92);
     return iris_edges(reflectance * light, place.uv.y);
 }
 
 // What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' light.
 fn pupil_radiance(studio: Studio, lens: vec3f, shade: LidShade) -> vec3f {
-    let light = (studio.key_color.rgb + studio.fill_color.rgb) * shade.key;
+    let light = (studio.key_color + studio.fill_color) * shade.key;
     return vec3f(0.0016, 0.0013, 0.0012) + light * lens;
 }
 

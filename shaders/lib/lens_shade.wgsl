@@ -1,10 +1,9 @@
 // A clouded lens behind the pupil. Twin: src/appearance/shading/lens_shade.rs.
 
-// Radius of the lens, of its nucleus, mm; what clouded cortex and a cloud at the capsule send back.
-const LENS_RADIUS_MM: f32 = 4.7;
+// Radius of the lens's disc, of its nucleus, mm; what clouded cortex sends back.
+const LENS_RADIUS_MM: f32 = 3.75;
 const NUCLEUS_RADIUS_MM: f32 = 2.75;
 const CORTEX_COLOR = vec3<f32>(0.13, 0.135, 0.14);
-const CAPSULE_COLOR = vec3<f32>(0.075, 0.072, 0.065);
 
 // Share of a place that wedges of clouded cortex cover, which cover this share of the lens. They begin at
 // its rim and point to its middle.
@@ -23,17 +22,18 @@ fn capsule_cloud(place_mm: vec2<f32>, radius_mm: f32) -> f32 {
     return smoothstep(-0.2, 0.2, edge) * (0.75 + 0.25 * grain);
 }
 
-// What a clouded lens sends back of the irradiance / pi on it, linear sRGB. `nucleus`: rgb of the nucleus,
-// w the share of the lens that clouded cortex covers; `cloud_mm` the radius of a cloud at the capsule.
-fn lens_cloud(nucleus: vec4<f32>, cloud_mm: f32, place_mm: vec2<f32>) -> vec3<f32> {
+// What a clouded lens sends back of the irradiance / pi on it, linear sRGB: `nucleus` that of the nucleus,
+// `capsule` that of a cloud of this radius behind it, whose light has passed the nucleus; clouded cortex
+// covers a share of the disc before both.
+fn lens_cloud(nucleus: vec3<f32>, capsule: vec3<f32>, capsule_radius_mm: f32, cortical_share: f32, place_mm: vec2<f32>) -> vec3<f32> {
     let middle = 1.0 - smoothstep(0.7, 1.25, length(place_mm) / NUCLEUS_RADIUS_MM);
-    var color = nucleus.rgb * (0.25 + 0.75 * middle);
+    var color = nucleus * (0.25 + 0.75 * middle);
     // Not by the uniforms alone, as `studio_radiance` says.
-    if cloud_mm * (LENS_RADIUS_MM - length(place_mm)) > 0.0 {
-        color = mix(color, CAPSULE_COLOR, capsule_cloud(place_mm, cloud_mm));
+    if capsule_radius_mm * (LENS_RADIUS_MM - length(place_mm)) > 0.0 {
+        color += capsule * capsule_cloud(place_mm, capsule_radius_mm);
     }
-    if nucleus.w * length(place_mm) > 0.0 {
-        color = mix(color, CORTEX_COLOR, cortical_wedges(place_mm, nucleus.w));
+    if cortical_share * length(place_mm) > 0.0 {
+        color = mix(color, CORTEX_COLOR, cortical_wedges(place_mm, cortical_share));
     }
     return color;
 }

@@ -24,8 +24,8 @@ fn sclera_normal(normal: vec3f, here: f32, right: f32, above: f32) -> vec3f {
 
 // Irradiance / pi under a normal n of the eye frame.
 fn sclera_light(studio: Studio, head_from_eye: mat3x3f, n: vec3f, shade: LidShade) -> vec3f {
-    let key_cosine = dot(n, studio.key_direction.xyz * head_from_eye);
-    let fill_cosine = dot(n, studio.fill_direction.xyz * head_from_eye);
+    let key_cosine = dot(n, studio.key_direction * head_from_eye);
+    let fill_cosine = dot(n, studio.fill_direction * head_from_eye);
     // Light travels under the surface: red furthest.
     let wrap = vec3f(0.42, 0.30, 0.24);
     var light = studio_ambient(studio, head_from_eye * n) * shade.sky;

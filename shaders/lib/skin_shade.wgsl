@@ -38,8 +38,8 @@ fn skin_albedo(skin: vec3f, flesh: vec3f, tissue: vec4f, fine: vec4f, coarse: ve
 fn skin_light(studio: Studio, n: vec3f, tissue: vec4f) -> vec3f {
     let thin = clamp(tissue.g, 0.0, 1.0);
     let open = clamp(tissue.a, 0.0, 1.0);
-    let key = studio.key_direction.xyz;
-    let fill = studio.fill_direction.xyz;
+    let key = studio.key_direction;
+    let fill = studio.fill_direction;
     let wrap = vec3f(0.48, 0.28, 0.20);
     var light = studio_ambient(studio, n) * mix(vec3f(0.30, 0.20, 0.17), vec3f(1.0), open);
     let shaded = mix(0.35, 1.0, open);
@@ -48,7 +48,7 @@ fn skin_light(studio: Studio, n: vec3f, tissue: vec4f) -> vec3f {
         light[c] += studio.fill_color[c] * wrapped_cosine(dot(n, fill), wrap[c]) * shaded;
     }
     let through = max(dot(-n, key), 0.0) * thin * 0.35;
-    return light + studio.key_color.rgb * through * vec3f(1.0, 0.22, 0.12);
+    return light + studio.key_color * through * vec3f(1.0, 0.22, 0.12);
 }
 
 // Highlight of one lamp on dry skin.
@@ -59,12 +59,12 @@ fn skin_sheen(n: vec3f, v: vec3f, l: vec3f, roughness: f32, lamp: f32) -> f32 {
 // Radiance of the sheen of skin and of the wet film on the margin.
 fn skin_specular(studio: Studio, n: vec3f, v: vec3f, tissue: vec4f, roughness: f32) -> vec3f {
     let wet = clamp(tissue.r, 0.0, 1.0);
-    let key = studio.key_direction.xyz;
-    let fill = studio.fill_direction.xyz;
+    let key = studio.key_direction;
+    let fill = studio.fill_direction;
     let rough = mix(roughness, 0.14, wet);
     let grazing = 1.0 - max(dot(n, v), 0.0);
-    var specular = studio.key_color.rgb * (0.62 * skin_sheen(n, v, key, rough, studio.key_direction.w) + 0.38 * skin_sheen(n, v, key, rough * 1.7, 0.2));
-    specular += studio.fill_color.rgb * skin_sheen(n, v, fill, rough * 1.2, 0.3);
+    var specular = studio.key_color * (0.62 * skin_sheen(n, v, key, rough, studio.key_radius) + 0.38 * skin_sheen(n, v, key, rough * 1.7, 0.2));
+    specular += studio.fill_color * skin_sheen(n, v, fill, rough * 1.2, 0.3);
     specular += studio_ambient(studio, reflect(-v, n)) * (0.022 + 0.16 * pow(grazing, 5.0));
     if wet > 0.02 {
         specular = mix(specular, studio_radiance(studio, reflect(-v, n), 0.10) * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337) * 0.8, wet * 0.7);

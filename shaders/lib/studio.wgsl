@@ -2,17 +2,24 @@
 // soft surroundings. Head frame. Twin: src/appearance/shading/studio.rs.
 
 struct Studio {
-    // Direction towards the window in the head frame; w: angular half-width of the window (rad).
-    key_direction: vec4<f32>,
-    // Irradiance / pi from the window, linear sRGB; w: exposure.
-    key_color: vec4<f32>,
-    fill_direction: vec4<f32>,
-    fill_color: vec4<f32>,
-    // Radiance of the surroundings from above; w: 1 where the key light is a four-paned window, 0 where it
-    // is a round lamp.
-    ambient_up: vec4<f32>,
-    // And from below; w: 1 where the camera's exposure is still to come.
-    ambient_down: vec4<f32>,
+    // Unit direction towards the key light in the head frame.
+    key_direction: vec3<f32>,
+    // Its angular half-width as a window, or radius as a lamp (rad).
+    key_radius: f32,
+    // Irradiance / pi from it, linear sRGB.
+    key_color: vec3<f32>,
+    exposure: f32,
+    fill_direction: vec3<f32>,
+    fill_radius: f32,
+    fill_color: vec3<f32>,
+    // 1 where the key light is a four-paned window, 0 where it is a round lamp.
+    is_window: f32,
+    // Radiance of the surroundings from above and below.
+    ambient_up: vec3<f32>,
+    // 1 where the camera's exposure is still to come.
+    is_luminance: f32,
+    ambient_down: vec3<f32>,
+    unused: f32,
 };
 
 // Radiance over irradiance / pi of a round lamp of angular radius `radius` about `direction`.
@@ -31,18 +38,18 @@ fn round_lamp(d: vec3<f32>, direction: vec3<f32>, radius: f32, blur: f32) -> f32
 // `blur` (rad) is the width of the edges: wide for rough surfaces.
 fn studio_radiance(studio: Studio, d: vec3<f32>, blur: f32) -> vec3<f32> {
     let up = 0.5 + 0.5 * d.y;
-    var radiance = mix(studio.ambient_down.rgb, studio.ambient_up.rgb, smoothstep(0.15, 0.85, up));
-    let key = studio.key_direction.xyz;
+    var radiance = mix(studio.ambient_down, studio.ambient_up, smoothstep(0.15, 0.85, up));
+    let key = studio.key_direction;
     let right = normalize(cross(vec3(0.0, 1.0, 0.0), key));
     let above = cross(key, right);
     let along = dot(d, key);
     // No branch hangs on uniforms alone: lavapipe puts their values into the code and compiles it anew
     // for each draw, 12 ms a frame of the eye.
-    let is_window = studio.ambient_up.w;
-    radiance += studio.key_color.rgb * ((1.0 - is_window) * round_lamp(d, key, studio.key_direction.w, blur));
+    let is_window = studio.is_window;
+    radiance += studio.key_color * ((1.0 - is_window) * round_lamp(d, key, studio.key_radius, blur));
     if is_window * along > 0.05 {
         let p = vec2(dot(d, right), dot(d, above)) / along;
-        let half_size = vec2(0.72, 1.0) * studio.key_direction.w;
+        let half_size = vec2(0.72, 1.0) * studio.key_radius;
         let edge = max(blur, 0.008);
         let inside = smoothstep(vec2(edge), vec2(-edge), abs(p) - half_size);
         let bar = max(0.02, 0.07 * half_size.x);
@@ -50,16 +57,16 @@ fn studio_radiance(studio: Studio, d: vec3<f32>, blur: f32) -> vec3<f32> {
         let coverage = inside.x * inside.y * mix(1.0, panes.x * panes.y, exp(-blur * 12.0));
         // The radiance of a window of this solid angle that gives the key's irradiance.
         let solid_angle = 4.0 * half_size.x * half_size.y;
-        radiance += studio.key_color.rgb * (3.14159265 / solid_angle) * coverage * (0.75 + 0.25 * clamp(p.y / half_size.y, -1.0, 1.0));
+        radiance += studio.key_color * (3.14159265 / solid_angle) * coverage * (0.75 + 0.25 * clamp(p.y / half_size.y, -1.0, 1.0));
     }
-    let fill = round_lamp(d, studio.fill_direction.xyz, studio.fill_direction.w, blur);
-    radiance += studio.fill_color.rgb * fill;
+    let fill = round_lamp(d, studio.fill_direction, studio.fill_radius, blur);
+    radiance += studio.fill_color * fill;
     return radiance;
 }
 
 // Irradiance / pi from the surroundings without the two lamps on a surface of normal n.
 fn studio_ambient(studio: Studio, n: vec3<f32>) -> vec3<f32> {
-    return mix(studio.ambient_down.rgb, studio.ambient_up.rgb, 0.5 + 0.5 * n.y);
+    return mix(studio.ambient_down, studio.ambient_up, 0.5 + 0.5 * n.y);
 }
 
 // Mean cosine of a lamp of angular half-width `half` over a surface that bends light

@@ -52,9 +52,9 @@ fn capture_scene(@builtin(global_invocation_id) id: vec3<u32>) {
     let texel = pixel * percept.supersampling + vec2<u32>(percept.supersampling / 2u);
     let depth = textureLoad(scene_depth, texel, 0);
     let place = (vec2<f32>(texel) + 0.5) / f32(percept.supersampling);
-    let ray = view_ray(place, vec2<f32>(percept.size), vec2<f32>(percept.right.w, percept.up.w));
+    let ray = view_ray(place, vec2<f32>(percept.size), vec2<f32>(percept.tan_half_fov_x, percept.tan_half_fov_y));
     // Reverse infinite depth: distance along -z = near/depth; along the ray it is longer by 1/-z.
-    write_view(pixel, block_radiance(pixel), depth / percept.back.w * -ray.z);
+    write_view(pixel, block_radiance(pixel), depth / percept.near_m * -ray.z);
 }
 
 @compute @workgroup_size(8, 8)

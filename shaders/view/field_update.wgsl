@@ -101,7 +101,7 @@ fn mover_at(point: vec3<f32>) -> u32 {
 // Slot of a point on something that has moved.
 fn slot_on_mover(point: vec3<f32>, k: u32) -> u32 {
     let at = vec4<f32>(point, 1.0) * movers.list[k].rest;
-    let voxel = sharpness_voxel_at(at, percept.eye.w, percept.voxel_angle_rad);
+    let voxel = sharpness_voxel_at(at, percept.voxel_size_m, percept.voxel_angle_rad);
     let named = voxel + vec4<i32>(0, 0, 0, i32(movers.list[k].name) << 12u);
     let slot = slot_of(sharpness_voxel_hash(named));
     if movers.list[k].is_new != 0u && slot != NO_SLOT {
@@ -114,14 +114,14 @@ fn slot_on_mover(point: vec3<f32>, k: u32) -> u32 {
 }
 
 fn ray_of(pixel: vec2<u32>) -> vec3<f32> {
-    let tan_half_fov = vec2<f32>(percept.right.w, percept.up.w);
+    let tan_half_fov = vec2<f32>(percept.tan_half_fov_x, percept.tan_half_fov_y);
     return view_ray(vec2<f32>(pixel) + 0.5, vec2<f32>(percept.size), tan_half_fov);
 }
 
 // Unit direction of a pixel in the world.
 fn direction_of(pixel: vec2<u32>) -> vec3<f32> {
     let ray = ray_of(pixel);
-    return ray.x * percept.right.xyz + ray.y * percept.up.xyz + ray.z * percept.back.xyz;
+    return ray.x * percept.right + ray.y * percept.up + ray.z * percept.back;
 }
 
 @compute @workgroup_size(8, 8)
@@ -134,14 +134,14 @@ fn assign_slots(@builtin(global_invocation_id) id: vec3<u32>) {
     let vergence = textureLoad(view_vergence, pixel, 0).x;
     let at = pixel.y * percept.size.x + pixel.x;
     if movers.count > 0u && vergence >= 1.0 / SHARPNESS_FAR_M {
-        let point = percept.eye.xyz + direction / vergence;
+        let point = percept.eye_m + direction / vergence;
         let mover = mover_at(point);
         if mover < movers.count {
             pixel_slot[at] = slot_on_mover(point, mover);
             return;
         }
     }
-    let voxel = sharpness_voxel(percept.eye.xyz, direction, vergence, percept.eye.w, percept.voxel_angle_rad);
+    let voxel = sharpness_voxel(percept.eye_m, direction, vergence, percept.voxel_size_m, percept.voxel_angle_rad);
     pixel_slot[at] = slot_of(sharpness_voxel_hash(voxel));
 }
 
@@ -156,9 +156,9 @@ fn forget_left(@builtin(global_invocation_id) id: vec3<u32>) {
     if vergence < 1.0 / SHARPNESS_FAR_M {
         return;
     }
-    let point = percept.eye.xyz + direction_of(pixel) / vergence;
+    let point = percept.eye_m + direction_of(pixel) / vergence;
     if mover_at(point) < movers.count {
-        let voxel = sharpness_voxel_at(point, percept.eye.w, percept.voxel_angle_rad);
+        let voxel = sharpness_voxel_at(point, percept.voxel_size_m, percept.voxel_angle_rad);
         let slot = find_slot(sharpness_voxel_hash(voxel));
         if slot != NO_SLOT {
             atomicStore(&sharpness_keys[slot], SHARPNESS_NEVER_SEEN);
@@ -204,12 +204,12 @@ fn rebase(
 fn blur_now(pixel: vec2<u32>) -> f32 {
     let ray = ray_of(pixel);
     let vergence = textureLoad(view_vergence, pixel, 0).x;
-    let eccentricity = angle_between(ray, percept.fixation.xyz);
-    let defocus = defocus_blur_angle(percept.pupil_m, vergence, percept.fixation.w, percept.refraction_d);
+    let eccentricity = angle_between(ray, percept.fixation);
+    let defocus = defocus_blur_angle(percept.pupil_m, vergence, percept.focus_vergence_d, percept.refraction_d);
     var neural = neural_blur(eccentricity, percept.neural_floor_rad, percept.eccentricity_e2_rad);
 #ifdef FIELD_LOSS
     neural += percept.eccentricity_penalty * eccentricity;
-    let seen = seen_fraction(visual_field, perimetric_angles(ray, percept.fixation.xyz));
+    let seen = seen_fraction(visual_field, perimetric_angles(ray, percept.fixation));
     neural = combined_blur(neural, (1.0 - seen) * percept.loss_blur_rad);
 #endif
     return min(combined_blur(defocus, neural), percept.coc_cap_rad);
@@ -250,7 +250,7 @@ fn read_blur(
         var coc = sharpness_key_decode(key, percept.starve_steps, percept.epoch, percept.coc_cap_rad);
 #ifdef FIELD_LOSS
         // What is lost now is filled in from its surround, whatever memory holds.
-        let seen = seen_fraction(visual_field, perimetric_angles(ray_of(pixel), percept.fixation.xyz));
+        let seen = seen_fraction(visual_field, perimetric_angles(ray_of(pixel), percept.fixation));
         coc = combined_blur(coc, (1.0 - seen) * percept.loss_blur_rad);
 #endif
         let diameter = coc * percept.pixels_per_radian;

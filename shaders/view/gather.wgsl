@@ -229,9 +229,9 @@ fn seen_radiance(place: vec2<f32>) -> vec3<f32> {
         colour = spread_near(place, centre, colour, max(sigma, 0.5), near);
     }
 #ifdef FIELD_LOSS
-    let tan_half_fov = vec2<f32>(percept.right.w, percept.up.w);
+    let tan_half_fov = vec2<f32>(percept.tan_half_fov_x, percept.tan_half_fov_y);
     let ray = view_ray(place, vec2<f32>(percept.size), tan_half_fov);
-    let lost = 1.0 - seen_fraction(visual_field, perimetric_angles(ray, percept.fixation.xyz));
+    let lost = 1.0 - seen_fraction(visual_field, perimetric_angles(ray, percept.fixation));
     let grey = dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722));
     colour = mix(colour, vec3<f32>(grey), lost * percept.loss_desaturation);
     colour *= 1.0 - lost * percept.loss_darkening;

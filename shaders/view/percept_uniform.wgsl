@@ -1,11 +1,16 @@
 // What every pass of the view reads. Keep in sync with src/percept/gpu_data.rs (208 bytes).
 // View frame: +x right, +y up, looking along -z; image y runs down.
 struct PerceptUniform {
-    right: vec4<f32>,               // xyz: view +x in the world; w: tan(half the horizontal field)
-    up: vec4<f32>,                  // xyz: view +y in the world; w: tan(half the vertical field)
-    back: vec4<f32>,                // xyz: view +z in the world; w: near plane, m
-    eye: vec4<f32>,                 // xyz: eye minus field origin, m; w: voxel side, m (0: by distance)
-    fixation: vec4<f32>,            // xyz: unit direction in the view frame; w: focused vergence, D
+    right: vec3<f32>,               // view +x in the world
+    tan_half_fov_x: f32,            // tangent of half the horizontal field
+    up: vec3<f32>,                  // view +y in the world
+    tan_half_fov_y: f32,            // tangent of half the vertical field
+    back: vec3<f32>,                // view +z in the world
+    near_m: f32,                    // near plane
+    eye_m: vec3<f32>,               // eye minus the field's origin
+    voxel_size_m: f32,              // side of the voxels; 0: by distance
+    fixation: vec3<f32>,            // unit direction in the view frame
+    focus_vergence_d: f32,
     size: vec2<u32>,                // view, pixels
     supersampling: u32,             // scene texels a view pixel, along each axis
     slot_mask: u32,                 // slots in the voxel table minus one

@@ -36,10 +36,10 @@ fn spread_level(uv: vec2<f32>, level: u32) -> vec3<f32> {
     var whole = 0.0;
     for (var j = 0; j < 4; j++) {
         let row = base.y + 2.0 * f32(j);
-        let y = pair_along(row, at.y, texels.y, percept.up.w);
+        let y = pair_along(row, at.y, texels.y, percept.tan_half_fov_y);
         for (var i = 0; i < 4; i++) {
             let column = base.x + 2.0 * f32(i);
-            let x = pair_along(column, at.x, texels.x, percept.right.w);
+            let x = pair_along(column, at.x, texels.x, percept.tan_half_fov_x);
             let place = (vec2<f32>(column + x.y, row + y.y) + 0.5) / texels;
             sum += x.x * y.x * textureSampleLevel(view_colour, view_sampler, place, f32(level)).rgb;
             whole += x.x * y.x;
@@ -58,7 +58,7 @@ fn spread_veil(@builtin(global_invocation_id) id: vec3<u32>) {
     var veil = media.rest * border();
     // Away from the middle an angle takes more texels: part of each level's light is read a level
     // coarser.
-    let tangent = (2.0 * uv - 1.0) * vec2<f32>(percept.right.w, percept.up.w);
+    let tangent = (2.0 * uv - 1.0) * vec2<f32>(percept.tan_half_fov_x, percept.tan_half_fov_y);
     let coarser = min(0.75 * log2(1.0 + dot(tangent, tangent)), 1.0);
     var passed_on = 0.0;
     for (var level = media.first_level; level <= media.last_level; level++) {

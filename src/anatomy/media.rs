@@ -15,6 +15,12 @@ const GREY_FROM_YEARS: f64 = 40.0;
 const GREY_OVER_YEARS: f64 = 50.0;
 /// What it sends back then of the lamps' irradiance over π, linear sRGB.
 const GREY_LENS: Vec3 = Vec3::new(0.012, 0.010, 0.006);
+/// Diameter of the lens's disc as it is seen in retroillumination through a wide pupil, mm: what shares of
+/// its area are shares of.
+pub const LENS_DISC_MM: f64 = 7.5;
+/// What a cloud at the posterior capsule sends back of the irradiance / π before a clear nucleus, linear
+/// sRGB (a choice: photographs show it paler than the nucleus and darker than cortex).
+const CAPSULE_CLOUD: Vec3 = Vec3::new(0.075, 0.072, 0.065);
 /// Wavelength at which the added density of a yellowed nucleus is given, and over how many nm it falls
 /// by a factor e, nm.
 const DENSITY_AT_NM: f64 = 450.0;
@@ -82,6 +88,12 @@ impl OcularMedia {
     pub fn healthy_backscatter(&self) -> Vec3 {
         let share = (self.age_years - GREY_FROM_YEARS) / GREY_OVER_YEARS;
         GREY_LENS * share.clamp(0.0, 1.0) as f32
+    }
+
+    /// What a cloud at the posterior capsule sends back: light that has passed the nucleus twice.
+    pub fn capsule_color(&self) -> Vec3 {
+        let through = self.transmittance();
+        CAPSULE_CLOUD * through * through
     }
 
     /// What a clouded nucleus sends back beyond that: light that has passed half of it twice.

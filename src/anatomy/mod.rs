@@ -17,7 +17,7 @@ pub use components::{
     Accommodation, Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
     Laterality, Lens, Lids, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
-pub use media::OcularMedia;
+pub use media::{LENS_DISC_MM, OcularMedia};
 pub use visual_field::VisualField;
 
 use bevy::ecs::system::SystemParam;

@@ -142,12 +142,18 @@ impl WorldLights<'_, '_> {
             }
         }
         Studio {
-            key_direction: key.direction.extend(key.radius_rad),
-            key_color: key.over_pi.extend(1.0),
-            fill_direction: fill.direction.extend(fill.radius_rad),
-            fill_color: fill.over_pi.extend(0.0),
-            ambient_up: surroundings[0].extend(0.0),
-            ambient_down: surroundings[1].extend(1.0),
+            key_direction: key.direction,
+            key_radius: key.radius_rad,
+            key_color: key.over_pi,
+            exposure: 1.0,
+            fill_direction: fill.direction,
+            fill_radius: fill.radius_rad,
+            fill_color: fill.over_pi,
+            is_window: 0.0,
+            ambient_up: surroundings[0],
+            is_luminance: 1.0,
+            ambient_down: surroundings[1],
+            unused: 0.0,
         }
     }
 }

@@ -8,7 +8,7 @@
 use crate::frame::shaders;
 use bevy::asset::{Asset, Handle};
 use bevy::image::Image;
-use bevy::math::{Mat4, Vec4};
+use bevy::math::{Mat4, Vec2, Vec3, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::AlphaMode;
@@ -21,36 +21,49 @@ use bevy::shader::ShaderRef;
 /// The studio that lights an eye (struct `Studio` of `shaders/lib/studio.wgsl`).
 #[derive(Clone, Copy, Debug, PartialEq, ShaderType)]
 pub struct Studio {
-    /// Direction towards the window, head frame; w: its angular half-width, rad.
-    pub key_direction: Vec4,
-    /// Its irradiance / π, linear sRGB; w: exposure.
-    pub key_color: Vec4,
-    /// Direction towards the lamp; w: its angular radius, rad.
-    pub fill_direction: Vec4,
-    /// Its irradiance / π.
-    pub fill_color: Vec4,
-    /// Radiance of the surroundings above; w: 1 where the key light is a four-paned window, 0 where it
-    /// is a round lamp.
-    pub ambient_up: Vec4,
-    /// Radiance of the surroundings below; w: 1 where all of this is in cd/m² and the camera's exposure
-    /// is still to come, 0 where the picture's own is all.
-    pub ambient_down: Vec4,
+    /// Unit direction towards the key light, head frame.
+    pub key_direction: Vec3,
+    /// Its angular half-width as a window, or radius as a lamp, rad.
+    pub key_radius: f32,
+    /// Irradiance / π from it, linear sRGB.
+    pub key_color: Vec3,
+    /// Factor on all of it before the output transform.
+    pub exposure: f32,
+    /// Unit direction towards the fill light.
+    pub fill_direction: Vec3,
+    /// Its angular radius, rad.
+    pub fill_radius: f32,
+    /// Irradiance / π from it.
+    pub fill_color: Vec3,
+    /// 1 where the key light is a four-paned window, 0 where it is a round lamp.
+    pub is_window: f32,
+    /// Radiance of the surroundings above.
+    pub ambient_up: Vec3,
+    /// 1 where all of this is in cd/m² and the camera's exposure is still to come, 0 where the picture's
+    /// own is all.
+    pub is_luminance: f32,
+    /// Radiance of the surroundings below.
+    pub ambient_down: Vec3,
+    /// Fills the shader's struct.
+    pub unused: f32,
 }
 
 impl Default for Studio {
     fn default() -> Self {
         Self {
             // The window stands up and to the viewer's left, the lamp low on the right.
-            key_direction: bevy::math::Vec3::new(0.50, 0.52, -0.78)
-                .normalize()
-                .extend(0.15),
-            key_color: Vec4::new(0.78, 0.80, 0.82, 1.0),
-            fill_direction: bevy::math::Vec3::new(-0.72, -0.05, -0.62)
-                .normalize()
-                .extend(0.07),
-            fill_color: Vec4::new(0.10, 0.088, 0.08, 0.0),
-            ambient_up: Vec4::new(0.24, 0.245, 0.26, 1.0),
-            ambient_down: Vec4::new(0.15, 0.135, 0.125, 0.0),
+            key_direction: Vec3::new(0.50, 0.52, -0.78).normalize(),
+            key_radius: 0.15,
+            key_color: Vec3::new(0.78, 0.80, 0.82),
+            exposure: 1.0,
+            fill_direction: Vec3::new(-0.72, -0.05, -0.62).normalize(),
+            fill_radius: 0.07,
+            fill_color: Vec3::new(0.10, 0.088, 0.08),
+            is_window: 1.0,
+            ambient_up: Vec3::new(0.24, 0.245, 0.26),
+            is_luminance: 0.0,
+            ambient_down: Vec3::new(0.15, 0.135, 0.125),
+            unused: 0.0,
         }
     }
 }
@@ -78,7 +91,7 @@ impl Default for LidHeights {
     }
 }
 
-/// Struct `Globe` of `shaders/eye/globe.wgsl`.
+/// Struct `Globe` of `shaders/eye/globe.wgsl`. Lengths in mm.
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct GlobeUniform {
     /// The lights.
@@ -87,20 +100,44 @@ pub struct GlobeUniform {
     pub lids: LidHeights,
     /// Rotation of the globe in the head.
     pub head_from_eye: Mat4,
-    /// Anterior (R, p), posterior (R, p).
-    pub cornea: Vec4,
-    /// Thickness, index of the cornea, of the aqueous, distance from apex to centre.
-    pub cornea_inside: Vec4,
-    /// Depth of the iris, radius of its root, of the pupil, of the limbus.
-    pub iris: Vec4,
-    /// Pupil's centre x, y; scleral radius; lipid thickness in nm.
-    pub pupil: Vec4,
-    /// Radius of a cloud at the lens's capsule (mm), canthal pinkness, side (+1 OD), strength of the relief.
-    pub options: Vec4,
-    /// What a lens of this age sends back, rgb.
-    pub lens: Vec4,
-    /// What a clouded nucleus sends back beyond it, rgb; w: share of the lens under clouded cortex.
-    pub nucleus: Vec4,
+    /// Front of the cornea: apical radius and shape factor.
+    pub anterior: Vec2,
+    /// Back of the cornea.
+    pub posterior: Vec2,
+    /// Thickness of the cornea.
+    pub thickness_mm: f32,
+    /// Its index.
+    pub cornea_index: f32,
+    /// Index of the aqueous.
+    pub aqueous_index: f32,
+    /// From the globe's centre to the corneal apex.
+    pub apex_mm: f32,
+    /// Iris behind the apex.
+    pub iris_depth_mm: f32,
+    /// Radius of its root.
+    pub iris_root_mm: f32,
+    /// Radius of the hole in it.
+    pub pupil_radius_mm: f32,
+    /// Radius of the limbus.
+    pub limbus_mm: f32,
+    /// Middle of the pupil.
+    pub pupil_center_mm: Vec2,
+    /// Radius of the scleral sphere.
+    pub sclera_radius_mm: f32,
+    /// Lipid layer of the tears, nm.
+    pub lipid_nm: f32,
+    /// What a lens of this age sends back of the irradiance / π, linear sRGB.
+    pub lens: Vec3,
+    /// Share of the lens's disc under clouded cortex.
+    pub cortical_share: f32,
+    /// What a clouded nucleus sends back beyond that.
+    pub nucleus: Vec3,
+    /// Radius of a cloud at the posterior capsule.
+    pub capsule_radius_mm: f32,
+    /// What such a cloud sends back through the nucleus.
+    pub capsule: Vec3,
+    /// How much of the iris's relief shows.
+    pub relief: f32,
 }
 
 /// Which part of the globe a material draws: the part is a pipeline of its own, because a sclera
@@ -157,12 +194,16 @@ pub struct GlobeMaterial {
 pub struct SkinUniform {
     /// The lights.
     pub studio: Studio,
-    /// Albedo; w: roughness.
-    pub albedo: Vec4,
-    /// Colour of wet flesh; w: strength of the pores.
-    pub flesh: Vec4,
-    /// x: radius of the globe, mm.
-    pub globe: Vec4,
+    /// Albedo, linear sRGB.
+    pub albedo: Vec3,
+    /// Roughness of its sheen.
+    pub roughness: f32,
+    /// Colour of wet flesh.
+    pub flesh: Vec3,
+    /// How deep the pores are.
+    pub pores: f32,
+    /// Radius of the globe, mm.
+    pub globe_radius_mm: f32,
 }
 
 /// The skin of the eye region.
@@ -183,9 +224,9 @@ pub struct HairUniform {
     /// The lights.
     pub studio: Studio,
     /// Colour at the root.
-    pub root: Vec4,
+    pub root: Vec3,
     /// Colour at the tip.
-    pub tip: Vec4,
+    pub tip: Vec3,
 }
 
 /// Lashes and brow.
@@ -201,8 +242,8 @@ pub struct HairMaterial {
 pub struct MeniscusUniform {
     /// The lights.
     pub studio: Studio,
-    /// x: strength of the reflections.
-    pub options: Vec4,
+    /// How strongly it mirrors, 0 to 1.
+    pub strength: f32,
 }
 
 /// The thread of tears along the lid margins.
@@ -281,3 +322,148 @@ eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, |_| vec![]);
 eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, |_| {
     vec![]
 });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::shaders;
+    use bevy::render::render_resource::encase::UniformBuffer;
+
+    /// Where a shader has the members of a struct, in bytes, as the program that runs it is parsed.
+    fn offsets(
+        shader: &bevy::asset::Handle<bevy::shader::Shader>,
+        name: &str,
+    ) -> Vec<(String, u32)> {
+        let source = shaders::SOURCES
+            .iter()
+            .find(|source| source.handle == *shader)
+            .expect("a shader");
+        // The structs alone: the stages need Bevy's own modules.
+        let text = source.text();
+        let begins = text.match_indices("struct ").map(|(at, _)| at);
+        let text: String = begins
+            .filter(|at| text[..*at].ends_with('\n'))
+            .filter_map(|at| {
+                let end = text[at..].find('}')?;
+                let all = &text[at..=at + end];
+                Some(
+                    all.replace("@builtin(position)", "")
+                        .replace("@builtin(instance_index)", ""),
+                )
+            })
+            .collect();
+        let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{error}"));
+        let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
+            naga::TypeInner::Struct { members, .. } if ty.name.as_deref() == Some(name) => {
+                let member =
+                    |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset);
+                Some(members.iter().map(member).collect())
+            }
+            _ => None,
+        });
+        found.unwrap_or_else(|| panic!("no {name}"))
+    }
+
+    macro_rules! same {
+        ($uniform:ty, $shader:expr, $name:literal, $($field:ident = $value:expr),+ $(,)?) => {{
+            let offsets = offsets(&$shader, $name);
+            $({
+                let mut own = <$uniform>::default();
+                let empty = bytes(&own);
+                own.$field = $value;
+                let first = bytes(&own)
+                    .iter()
+                    .zip(&empty)
+                    .position(|(now, before)| now != before)
+                    .expect(stringify!($field));
+                let wanted = offsets
+                    .iter()
+                    .find(|(name, _)| name == stringify!($field))
+                    .unwrap_or_else(|| panic!("no {} in {}", stringify!($field), $name));
+                // A number's first byte may be the same in both.
+                assert_eq!(first / 4 * 4, wanted.1 as usize, "{}.{}", $name, stringify!($field));
+            })+
+            let named = [$(stringify!($field)),+];
+            for (name, _) in offsets {
+                let is_other = ["studio", "lids", "unused"].contains(&name.as_str());
+                assert!(is_other || named.contains(&name.as_str()), "{} has {name}", $name);
+            }
+        }};
+    }
+
+    fn bytes<U: ShaderType + bevy::render::render_resource::encase::internal::WriteInto>(
+        uniform: &U,
+    ) -> Vec<u8> {
+        let mut buffer = UniformBuffer::new(Vec::new());
+        buffer.write(uniform).expect("it is written");
+        buffer.into_inner()
+    }
+
+    #[test]
+    fn every_number_is_where_its_shader_reads_it() {
+        same!(
+            Studio,
+            shaders::GLOBE,
+            "Studio",
+            key_direction = Vec3::ONE,
+            key_radius = 9.0,
+            key_color = Vec3::splat(9.0),
+            exposure = 9.0,
+            fill_direction = Vec3::ONE,
+            fill_radius = 9.0,
+            fill_color = Vec3::splat(9.0),
+            is_window = 9.0,
+            ambient_up = Vec3::splat(9.0),
+            is_luminance = 9.0,
+            ambient_down = Vec3::splat(9.0)
+        );
+        same!(
+            GlobeUniform,
+            shaders::GLOBE,
+            "Globe",
+            head_from_eye = Mat4::from_scale(Vec3::splat(9.0)),
+            anterior = Vec2::splat(9.0),
+            posterior = Vec2::splat(9.0),
+            thickness_mm = 9.0,
+            cornea_index = 9.0,
+            aqueous_index = 9.0,
+            apex_mm = 9.0,
+            iris_depth_mm = 9.0,
+            iris_root_mm = 9.0,
+            pupil_radius_mm = 9.0,
+            limbus_mm = 9.0,
+            pupil_center_mm = Vec2::splat(9.0),
+            sclera_radius_mm = 9.0,
+            lipid_nm = 9.0,
+            lens = Vec3::splat(9.0),
+            cortical_share = 9.0,
+            nucleus = Vec3::splat(9.0),
+            capsule_radius_mm = 9.0,
+            capsule = Vec3::splat(9.0),
+            relief = 9.0
+        );
+        same!(
+            SkinUniform,
+            shaders::SKIN,
+            "Skin",
+            albedo = Vec3::splat(9.0),
+            roughness = 9.0,
+            flesh = Vec3::splat(9.0),
+            pores = 9.0,
+            globe_radius_mm = 9.0
+        );
+        same!(
+            HairUniform,
+            shaders::HAIR,
+            "Hair",
+            root = Vec3::splat(9.0),
+            tip = Vec3::splat(9.0)
+        );
+        same!(
+            MeniscusUniform,
+            shaders::MENISCUS,
+            "Meniscus",
+            strength = 9.0
+        );
+    }
+}

@@ -290,7 +290,7 @@ impl Builder<'_, '_, '_, '_> {
         let tears = self.assets.tears.add(MeniscusMaterial {
             meniscus: MeniscusUniform {
                 studio,
-                options: Vec4::new(1.0, 0.0, 0.0, 0.0),
+                strength: 1.0,
             },
         });
         parts.meniscus_mesh = self.assets.meshes.add(empty_mesh());
@@ -372,9 +372,11 @@ impl Builder<'_, '_, '_, '_> {
         let material = self.assets.skins.add(SkinMaterial {
             skin: SkinUniform {
                 studio,
-                albedo: albedo.extend(0.42),
-                flesh: (Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * albedo.x)).extend(1.0),
-                globe: Vec4::new(anatomy.eye.scleral_radius_mm as f32, 0.0, 0.0, 0.0),
+                albedo,
+                roughness: 0.42,
+                flesh: Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * albedo.x),
+                pores: 1.0,
+                globe_radius_mm: anatomy.eye.scleral_radius_mm as f32,
             },
             skin_map: self.assets.images.add(skin_image(seed)),
         });
@@ -395,8 +397,8 @@ impl Builder<'_, '_, '_, '_> {
         let material = self.assets.hairs.add(HairMaterial {
             hair: HairUniform {
                 studio,
-                root: Vec4::new(0.010, 0.007, 0.006, 0.0),
-                tip: Vec4::new(0.024, 0.016, 0.012, 0.0),
+                root: Vec3::new(0.010, 0.007, 0.006),
+                tip: Vec3::new(0.024, 0.016, 0.012),
             },
         });
         parts.lash_mesh = self.assets.meshes.add(empty_mesh());

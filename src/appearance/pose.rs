@@ -55,9 +55,9 @@ pub fn move_eyes(
             }
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.globe.head_from_eye = Mat4::from_quat(rotation);
-                material.globe.iris.z = radius;
-                material.globe.pupil.x = nasal * iris.pupil_decentration_mm[0] as f32;
-                material.globe.pupil.y = iris.pupil_decentration_mm[1] as f32;
+                material.globe.pupil_radius_mm = radius;
+                let [nasally, up] = iris.pupil_decentration_mm.map(|mm| mm as f32);
+                material.globe.pupil_center_mm = Vec2::new(nasal * nasally, up);
             }
         }
     }
@@ -81,9 +81,11 @@ pub fn cloud_lenses(
         for (_, material) in &parts.globe {
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.clouded = !media.is_clear();
-                material.globe.lens = media.healthy_backscatter().extend(0.0);
-                material.globe.nucleus = media.nucleus_color().extend(media.cortical_share as f32);
-                material.globe.options.x = 0.5 * media.subcapsular_mm as f32;
+                material.globe.lens = media.healthy_backscatter();
+                material.globe.nucleus = media.nucleus_color();
+                material.globe.cortical_share = media.cortical_share as f32;
+                material.globe.capsule = media.capsule_color();
+                material.globe.capsule_radius_mm = 0.5 * media.subcapsular_mm as f32;
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::anatomy::{Cornea, Iris};
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
 use bevy::image::Image;
-use bevy::math::{DVec2, Mat4, Vec3, Vec4};
+use bevy::math::{DVec2, Mat4, Vec2, Vec3};
 
 /// Albedo (linear sRGB) of skin from very light (0) to very dark (1).
 pub(super) fn skin_albedo(tone: f64) -> Vec3 {
@@ -113,33 +113,20 @@ pub(super) fn static_uniform(
         studio,
         lids: LidHeights::default(),
         head_from_eye: Mat4::IDENTITY,
-        cornea: Vec4::new(
-            cornea.anterior_radius_mm as f32,
-            cornea.anterior_p as f32,
-            cornea.posterior_radius_mm as f32,
-            cornea.posterior_p as f32,
-        ),
-        cornea_inside: Vec4::new(
-            cornea.thickness_mm as f32,
-            cornea.index as f32,
-            cornea.aqueous_index as f32,
-            shape.apex_distance_mm() as f32,
-        ),
-        iris: Vec4::new(
-            iris.depth_mm as f32,
-            iris.root_radius_mm as f32,
-            2.0,
-            cornea.limbus_radius_mm as f32,
-        ),
-        pupil: Vec4::new(
-            0.0,
-            0.0,
-            eye.scleral_radius_mm as f32,
-            cornea.lipid_thickness_nm as f32,
-        ),
-        options: Vec4::new(0.0, 0.5, side(eye.laterality), 1.0),
-        // The lens is filled in by its media.
-        lens: Vec4::ZERO,
-        nucleus: Vec4::ZERO,
+        anterior: Vec2::new(cornea.anterior_radius_mm as f32, cornea.anterior_p as f32),
+        posterior: Vec2::new(cornea.posterior_radius_mm as f32, cornea.posterior_p as f32),
+        thickness_mm: cornea.thickness_mm as f32,
+        cornea_index: cornea.index as f32,
+        aqueous_index: cornea.aqueous_index as f32,
+        apex_mm: shape.apex_distance_mm() as f32,
+        iris_depth_mm: iris.depth_mm as f32,
+        iris_root_mm: iris.root_radius_mm as f32,
+        pupil_radius_mm: 2.0,
+        limbus_mm: cornea.limbus_radius_mm as f32,
+        sclera_radius_mm: eye.scleral_radius_mm as f32,
+        lipid_nm: cornea.lipid_thickness_nm as f32,
+        relief: 1.0,
+        // The lens is filled in by its media, the pupil's place by who moves it.
+        ..GlobeUniform::default()
     }
 }

@@ -12,6 +12,7 @@
 //! grades (±1 subcapsular).
 
 use super::{Affected, Condition, Control};
+use crate::anatomy::LENS_DISC_MM;
 use crate::optics::root::illinois;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
@@ -27,8 +28,6 @@ const SHORT_SIGHTED_FROM: f64 = 2.0;
 const SHIFT_D: f64 = -0.40;
 /// Grade of nuclear colour up to which a lens is as yellow as a healthy one of its age.
 const YELLOW_FROM: f64 = 1.5;
-/// Diameter of the lens as it is seen in retroillumination, mm.
-const LENS_DISC_MM: f64 = 7.5;
 
 /// Cataract of an eye, or of both eyes of a person. Without it there is no pass, key or texture of it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Reflect)]

@@ -244,23 +244,52 @@ mod tests {
                 .offset as usize
         };
         macro_rules! same {
-            ($($wgsl:ident $rust:ident),* $(,)?) => {
-                $(assert_eq!(offset(stringify!($wgsl)), std::mem::offset_of!(PerceptUniform, $rust));)*
+            ($($name:ident),* $(,)?) => {
+                $(assert_eq!(offset(stringify!($name)), std::mem::offset_of!(PerceptUniform, $name));)*
             };
         }
-        same!(right right, up up, back back, eye eye_m, fixation fixation, size size,
-            supersampling supersampling, slot_mask slot_mask, epoch epoch, starve_steps starve_steps,
-            rebase_steps rebase_steps, fast_threshold fast_threshold, pupil_m pupil_m,
-            refraction_d refraction_d, neural_floor_rad neural_floor_rad,
-            eccentricity_e2_rad eccentricity_e2_rad, coc_cap_rad coc_cap_rad,
-            pixels_per_radian pixels_per_radian, voxel_angle_rad voxel_angle_rad, exposure exposure,
-            target_size target_size, marker marker, marker_radius_px marker_radius_px,
-            lid_aperture lid_aperture, max_taps max_taps, candidate_capacity candidate_capacity,
-            eccentricity_penalty eccentricity_penalty, loss_blur_rad loss_blur_rad,
-            loss_darkening loss_darkening, loss_desaturation loss_desaturation,
-            field_half_width_rad field_half_width_rad, luma_exposure luma_exposure,
-            table_slots_old table_slots_old, display_referred display_referred);
-        assert_eq!(members.len(), 34);
+        same!(
+            right,
+            tan_half_fov_x,
+            up,
+            tan_half_fov_y,
+            back,
+            near_m,
+            eye_m,
+            voxel_size_m,
+            fixation,
+            focus_vergence_d,
+            size,
+            supersampling,
+            slot_mask,
+            epoch,
+            starve_steps,
+            rebase_steps,
+            fast_threshold,
+            pupil_m,
+            refraction_d,
+            neural_floor_rad,
+            eccentricity_e2_rad,
+            coc_cap_rad,
+            pixels_per_radian,
+            voxel_angle_rad,
+            exposure,
+            target_size,
+            marker,
+            marker_radius_px,
+            lid_aperture,
+            max_taps,
+            candidate_capacity,
+            eccentricity_penalty,
+            loss_blur_rad,
+            loss_darkening,
+            loss_desaturation,
+            field_half_width_rad,
+            luma_exposure,
+            table_slots_old,
+            display_referred,
+        );
+        assert_eq!(members.len(), 39);
     }
 
     #[test]

@@ -94,9 +94,8 @@ impl Default for Moment {
 impl Moment {
     fn draw(&self, headless: &mut Headless) -> Drawn {
         let mut studio = Studio::default();
-        let turned =
-            Quat::from_rotation_y(self.lamp_deg.to_radians()) * studio.key_direction.truncate();
-        studio.key_direction = turned.extend(studio.key_direction.w);
+        let turned = Quat::from_rotation_y(self.lamp_deg.to_radians()) * studio.key_direction;
+        studio.key_direction = turned;
         let model = headless.stage().model;
         headless
             .world()

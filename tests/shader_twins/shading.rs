@@ -5,7 +5,7 @@
 
 use super::{between, unit, v3};
 use crate::gpu::{Map, Twin};
-use bevy::math::Vec4;
+use bevy::math::Vec3;
 use glam::{DVec3, DVec4};
 use ocularium::appearance::Studio;
 use ocularium::appearance::materials::{LID_SAMPLES, LidHeights};
@@ -74,19 +74,37 @@ pub fn draw_studio(rng: &mut Pcg64) -> Vec<f32> {
     x.extend(colors(rng, 1.0));
     x.extend(colors(rng, 1.0));
     // The key light is a window, or a round lamp.
-    x[19] = f32::from(u8::from(between(rng, 0.0, 1.0) < 0.5));
+    x[15] = f32::from(u8::from(between(rng, 0.0, 1.0) < 0.5));
     x
 }
 
+/// The call's studio, from 24 numbers from `first` on.
+pub fn studio_text(first: usize) -> String {
+    let parts: Vec<String> = (0..6)
+        .map(|k| {
+            let i = first + 4 * k;
+            format!("vec3f(x[{i}], x[{}], x[{}]), x[{}]", i + 1, i + 2, i + 3)
+        })
+        .collect();
+    parts.join(", ")
+}
+
 pub fn studio_of(x: &[f64]) -> Studio {
-    let four = |i: usize| v4(&x[4 * i..]).as_vec4();
+    let three = |i: usize| v3(&x[4 * i..]).as_vec3();
+    let one = |i: usize| x[4 * i + 3] as f32;
     Studio {
-        key_direction: four(0),
-        key_color: four(1),
-        fill_direction: four(2),
-        fill_color: four(3),
-        ambient_up: four(4),
-        ambient_down: four(5),
+        key_direction: three(0),
+        key_radius: one(0),
+        key_color: three(1),
+        exposure: one(1),
+        fill_direction: three(2),
+        fill_radius: one(2),
+        fill_color: three(3),
+        is_window: one(3),
+        ambient_up: three(4),
+        is_luminance: one(4),
+        ambient_down: three(5),
+        unused: one(5),
     }
 }
 
@@ -159,7 +177,7 @@ fn draw_radiance(rng: &mut Pcg64, lamp: usize) -> Vec<f32> {
 fn the_studio() {
     let call = format!(
         "let c = studio_radiance(Studio({}), vec3f(x[24], x[25], x[26]), x[27]); {RGB_OUT}",
-        vec4s(0, 6)
+        studio_text(0)
     );
     let exact = |x: &[f64]| rgb(studio::studio_radiance(&studio_of(x), v3(&x[24..]), x[27]));
     for lamp in 0..2 {
@@ -185,7 +203,7 @@ fn the_studio() {
     // Away from lamps the surroundings are known to rounding.
     let call = format!(
         "let s = Studio({}); let c = studio_ambient(s, vec3f(x[24], x[25], x[26])); {RGB_OUT} y[3] = wrapped_cosine(x[25], x[27]);",
-        vec4s(0, 6)
+        studio_text(0)
     );
     pass_unless_off(
         &Twin {
@@ -382,7 +400,7 @@ pub const VIEWS: &str = "let n = vec3f(x[24], x[25], x[26]); let v = vec3f(x[27]
 fn tears() {
     let call = format!(
         "let s = Studio({}); {VIEWS} let c = tear_reflection(s, n, v, x[30], x[31], x[32]); {RGB_OUT}",
-        vec4s(0, 6)
+        studio_text(0)
     );
     pass_unless_off(
         &Twin {
@@ -412,7 +430,7 @@ fn tears() {
     );
     let call = format!(
         "let s = Studio({}); {VIEWS} let c = meniscus_reflection(s, n, v); {RGB_OUT}",
-        vec4s(0, 6)
+        studio_text(0)
     );
     pass_unless_off(
         &Twin {
@@ -441,7 +459,7 @@ fn tears() {
 fn hair() {
     let call = format!(
         "let s = Studio({}); {VIEWS} let c = hair_radiance(s, vec3f(x[30], x[31], x[32]), n, v); {RGB_OUT}",
-        vec4s(0, 6)
+        studio_text(0)
     );
     pass_unless_off(
         &Twin {
@@ -491,7 +509,9 @@ pub fn shade_of(x: &[f64]) -> LidShade {
 #[test]
 fn a_studio_is_read_in_its_order() {
     let x: Vec<f64> = (0..24).map(f64::from).collect();
-    assert_eq!(studio_of(&x).ambient_up, Vec4::new(16.0, 17.0, 18.0, 19.0));
+    let studio = studio_of(&x);
+    assert_eq!(studio.ambient_up, Vec3::new(16.0, 17.0, 18.0));
+    assert_eq!((studio.is_window, studio.is_luminance), (15.0, 19.0));
 }
 
 #[test]
@@ -501,7 +521,7 @@ fn clouded_lenses() {
             name: "lens_cloud",
             library: &["lens_shade"],
             call: &format!(
-                "let c = lens_cloud(vec4f(x[0], x[1], x[2], x[3]), x[4], vec2f(x[5], x[6])); {RGB_OUT} \
+                "let c = lens_cloud(vec3f(x[0], x[1], x[2]), vec3f(x[7], x[8], x[9]), x[4], x[3], vec2f(x[5], x[6])); {RGB_OUT} \
                  y[3] = cortical_wedges(vec2f(x[5], x[6]), x[3]); y[4] = capsule_cloud(vec2f(x[5], x[6]), x[4]);"
             ),
             draw: &|rng| {
@@ -513,11 +533,14 @@ fn clouded_lenses() {
                     between(rng, 0.0, 3.0),
                     between(rng, -4.0, 4.0),
                     between(rng, -4.0, 4.0),
+                    between(rng, 0.0, 0.1),
+                    between(rng, 0.0, 0.1),
+                    between(rng, 0.0, 0.1),
                 ]
             },
             exact: &|x| {
                 let place = glam::DVec2::new(x[5], x[6]);
-                let color = lens_shade::lens_cloud(v4(x), x[4], place);
+                let color = lens_shade::lens_cloud(v3(x), v3(&x[7..]), x[4], x[3], place);
                 let mut out = rgb(color);
                 out.push(lens_shade::cortical_wedges(place, x[3]));
                 out.push(lens_shade::capsule_cloud(place, x[4]));

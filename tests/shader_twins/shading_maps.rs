@@ -1,7 +1,7 @@
 //! Sclera and iris with their maps: as textures on the device and as the same texels in f64.
 
 use super::shading::{
-    RGB_OUT, draw_shade, draw_studio, pass_unless_off, rgb, shade_of, studio_of, vec4s,
+    RGB_OUT, draw_shade, draw_studio, pass_unless_off, rgb, shade_of, studio_of, studio_text,
 };
 use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
@@ -61,7 +61,7 @@ fn sclera() {
          let r = sclera_shade(sclera_map, sclera_map_sampler, vec3f(x[33], x[34], x[35]), vec3f(x[36], x[37], x[38]), \
          x[39], x[40], s, turn, LidShade(x[41], x[42], x[43], x[44])); let c = r.diffuse; {RGB_OUT} \
          y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z;",
-        vec4s(0, 6)
+        studio_text(0)
     );
     pass_unless_off(
         &Twin {
@@ -280,7 +280,7 @@ fn the_light_of_the_iris() {
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
          let c = iris_radiance(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, \
          iris, s, turn, p, d, q, x[14], e); {RGB_OUT} y[3] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;",
-        vec4s(20, 6)
+        studio_text(20)
     );
     pass_unless_off(
         &Twin {
@@ -340,7 +340,7 @@ fn what_shows_through_the_pupil() {
          y[3] = pupil_edge(p, x[37], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[12], x[13], x[14]), y[3], p.y); \
          y[4] = m.x; y[5] = m.y; y[6] = m.z; let g = iris_edges(m, p.y); y[7] = g.x; y[8] = g.y; y[9] = g.z; \
          y[10] = iris_openness(p.x); y[11] = iris_path(x[36], -x[37], x[9]);",
-        vec4s(12, 6)
+        studio_text(12)
     );
     pass_unless_off(
         &Twin {

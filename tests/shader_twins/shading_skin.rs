@@ -1,7 +1,7 @@
 //! The skin about the eye: its normal, colour, light and sheen.
 
 use super::shading::{
-    RGB_OUT, VIEWS, draw_studio, draw_views, pass_unless_off, rgb, studio_of, v4, vec4s,
+    RGB_OUT, VIEWS, draw_studio, draw_views, pass_unless_off, rgb, studio_of, studio_text, v4,
 };
 use super::{between, v3};
 use crate::gpu::Twin;
@@ -27,7 +27,7 @@ fn draw_skin(rng: &mut Pcg64) -> Vec<f32> {
 fn skin() {
     const TISSUE: &str = "let t = vec4f(x[30], x[31], x[32], x[33]); let f = vec4f(x[34], x[35], x[36], x[37]); \
                           let g = vec4f(x[38], x[39], x[40], x[41]);";
-    let studio = vec4s(0, 6);
+    let studio = studio_text(0);
     let compare = |name,
                    call: &str,
                    exact: &dyn Fn(&[f64]) -> Vec<f64>,

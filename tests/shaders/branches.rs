@@ -167,7 +167,11 @@ fn a_branch_on_a_uniform_is_found_wherever_it_stands() {
     let text = globe.text();
     // In the entry point's file, and where a function is given the whole uniform.
     for (from, to, function) in [
-        ("if t > 0.0 {", "if globe.iris.z > 0.0 {", "fragment"),
+        (
+            "if t > 0.0 {",
+            "if globe.pupil_radius_mm > 0.0 {",
+            "fragment",
+        ),
         (
             "if is_window * along > 0.05 {",
             "if is_window > 0.05 {",

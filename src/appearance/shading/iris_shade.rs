@@ -5,12 +5,12 @@ use super::iris_relief::{
     relief_normal, relief_shadow,
 };
 use super::lid_shade::LidShade;
+use super::smoothstep;
 use super::studio::studio_ambient;
-use super::{smoothstep, xyz};
 use crate::appearance::images::MapView;
 use crate::appearance::light_table::iris_light;
 use crate::appearance::materials::Studio;
-use glam::{DMat3, DVec2, DVec3, Vec4};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// Longest path (mm) of the reflectance map.
 pub const IRIS_PATH_MAX_MM: f64 = 2.5;
@@ -80,8 +80,8 @@ pub fn iris_radiance(
     let view_cosine = (-normal.dot(direction)).max(0.2);
 
     let eye_from_head = head_from_eye.transpose();
-    let light_of = |lamp: Vec4| {
-        let light = eye_from_head * xyz(lamp);
+    let light_of = |lamp: Vec3| {
+        let light = eye_from_head * lamp.as_dvec3();
         iris_light(&maps.light, light, point + moved, iris.root, iris.limbus)
     };
     let (key, fill) = (
@@ -96,15 +96,15 @@ pub fn iris_radiance(
     let key_gain = key.w * relief_gain(normal, key.truncate()) * shadow * shade.key;
     let fill_gain = fill.w * relief_gain(normal, fill.truncate()) * shade.sky;
     let open = iris_openness(texel.height) * shade.sky * 0.92;
-    let light = xyz(studio.key_color) * key_gain
-        + xyz(studio.fill_color) * fill_gain
+    let light = studio.key_color.as_dvec3() * key_gain
+        + studio.fill_color.as_dvec3() * fill_gain
         + studio_ambient(studio, -head_from_eye.z_axis) * open;
     iris_edges(DVec3::new(r, g, b) * light, place.uv.y)
 }
 
 /// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' light.
 pub fn pupil_radiance(studio: &Studio, lens: DVec3, shade: &LidShade) -> DVec3 {
-    let light = (xyz(studio.key_color) + xyz(studio.fill_color)) * shade.key;
+    let light = (studio.key_color.as_dvec3() + studio.fill_color.as_dvec3()) * shade.key;
     DVec3::new(0.0016, 0.0013, 0.0012) + light * lens
 }
 

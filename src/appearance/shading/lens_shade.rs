@@ -1,12 +1,12 @@
 //! A clouded lens behind the pupil. Twin: `shaders/lib/lens_shade.wgsl`.
 
 use super::smoothstep;
-use glam::{DVec2, DVec3, DVec4};
+use crate::anatomy::LENS_DISC_MM;
+use glam::{DVec2, DVec3};
 
-const LENS_RADIUS_MM: f64 = 4.7;
+const LENS_RADIUS_MM: f64 = 0.5 * LENS_DISC_MM;
 const NUCLEUS_RADIUS_MM: f64 = 2.75;
 const CORTEX_COLOR: DVec3 = DVec3::new(0.13, 0.135, 0.14);
-const CAPSULE_COLOR: DVec3 = DVec3::new(0.075, 0.072, 0.065);
 
 /// Share of a place (mm from the lens's middle) that wedges of clouded cortex cover, which cover this
 /// share of the lens. They begin at its rim and point to its middle.
@@ -27,17 +27,23 @@ pub fn capsule_cloud(place_mm: DVec2, radius_mm: f64) -> f64 {
     smoothstep(-0.2, 0.2, edge) * (0.75 + 0.25 * grain)
 }
 
-/// What a clouded lens sends back of the irradiance / π on it, linear sRGB. `nucleus`: rgb of the
-/// nucleus, w the share of the lens that clouded cortex covers; `cloud_mm` the radius of a cloud at the
-/// capsule.
-pub fn lens_cloud(nucleus: DVec4, cloud_mm: f64, place_mm: DVec2) -> DVec3 {
+/// What a clouded lens sends back of the irradiance / π on it, linear sRGB: `nucleus` that of the
+/// nucleus, `capsule` that of a cloud of this radius behind it, whose light has passed the nucleus;
+/// clouded cortex covers a share of the disc before both.
+pub fn lens_cloud(
+    nucleus: DVec3,
+    capsule: DVec3,
+    capsule_radius_mm: f64,
+    cortical_share: f64,
+    place_mm: DVec2,
+) -> DVec3 {
     let middle = 1.0 - smoothstep(0.7, 1.25, place_mm.length() / NUCLEUS_RADIUS_MM);
-    let mut color = nucleus.truncate() * (0.25 + 0.75 * middle);
-    if cloud_mm > 0.0 && place_mm.length() < LENS_RADIUS_MM {
-        color = color.lerp(CAPSULE_COLOR, capsule_cloud(place_mm, cloud_mm));
+    let mut color = nucleus * (0.25 + 0.75 * middle);
+    if capsule_radius_mm > 0.0 && place_mm.length() < LENS_RADIUS_MM {
+        color += capsule * capsule_cloud(place_mm, capsule_radius_mm);
     }
-    if nucleus.w > 0.0 {
-        color = color.lerp(CORTEX_COLOR, cortical_wedges(place_mm, nucleus.w));
+    if cortical_share > 0.0 {
+        color = color.lerp(CORTEX_COLOR, cortical_wedges(place_mm, cortical_share));
     }
     color
 }
@@ -50,8 +56,8 @@ mod tests {
     fn wedges_cover_the_share_that_they_are_given() {
         for share in [0.1, 0.25, 0.45] {
             let (mut covered, mut all) = (0.0, 0.0);
-            for i in -94..=94 {
-                for j in -94..=94 {
+            for i in -75..=75 {
+                for j in -75..=75 {
                     let place = DVec2::new(f64::from(i), f64::from(j)) * 0.05;
                     if place.length() < LENS_RADIUS_MM {
                         covered += cortical_wedges(place, share);

@@ -4,7 +4,6 @@
 use super::footprint::footprint_level;
 use super::lid_shade::LidShade;
 use super::studio::{studio_ambient, wrapped_cosine};
-use super::xyz;
 use crate::appearance::images::MapView;
 use crate::appearance::materials::Studio;
 use glam::{DMat3, DVec2, DVec3};
@@ -39,15 +38,15 @@ pub fn sclera_normal(normal: DVec3, here: f64, right: f64, above: f64) -> DVec3 
 pub fn sclera_light(studio: &Studio, head_from_eye: DMat3, n: DVec3, shade: &LidShade) -> DVec3 {
     let n = head_from_eye * n;
     let (key, fill) = (
-        n.dot(xyz(studio.key_direction)),
-        n.dot(xyz(studio.fill_direction)),
+        n.dot(studio.key_direction.as_dvec3()),
+        n.dot(studio.fill_direction.as_dvec3()),
     );
     // Light travels under the surface: red furthest.
     let wrapped =
         |cosine: f64| DVec3::new(0.42, 0.30, 0.24).map(|wrap| wrapped_cosine(cosine, wrap));
     studio_ambient(studio, n) * shade.sky
-        + xyz(studio.key_color) * wrapped(key) * shade.key
-        + xyz(studio.fill_color) * wrapped(fill) * shade.sky
+        + studio.key_color.as_dvec3() * wrapped(key) * shade.key
+        + studio.fill_color.as_dvec3() * wrapped(fill) * shade.sky
 }
 
 /// What the lids reflect back is warm, most of it near their margins.

@@ -4,7 +4,7 @@
 use super::lamp_lobe::{lamp_alpha, lamp_lobe};
 use super::studio::{studio_ambient, studio_radiance, wrapped_cosine};
 use super::tear_reflection::reflected;
-use super::{mix, smoothstep, xyz};
+use super::{mix, smoothstep};
 use crate::appearance::materials::Studio;
 use crate::optics::fresnel::fresnel_dielectric;
 use glam::{DVec2, DVec3, DVec4};
@@ -62,15 +62,16 @@ pub fn skin_light(studio: &Studio, n: DVec3, tissue: DVec4) -> DVec3 {
     let thin = tissue.y.clamp(0.0, 1.0);
     let open = tissue.w.clamp(0.0, 1.0);
     let (key, fill) = (
-        n.dot(xyz(studio.key_direction)),
-        n.dot(xyz(studio.fill_direction)),
+        n.dot(studio.key_direction.as_dvec3()),
+        n.dot(studio.fill_direction.as_dvec3()),
     );
     let wrapped =
         |cosine: f64| DVec3::new(0.48, 0.28, 0.20).map(|wrap| wrapped_cosine(cosine, wrap));
     let ambient = studio_ambient(studio, n) * DVec3::new(0.30, 0.20, 0.17).lerp(DVec3::ONE, open);
-    let lamps = xyz(studio.key_color) * wrapped(key) + xyz(studio.fill_color) * wrapped(fill);
+    let lamps =
+        studio.key_color.as_dvec3() * wrapped(key) + studio.fill_color.as_dvec3() * wrapped(fill);
     let through = DVec3::new(1.0, 0.22, 0.12) * ((-key).max(0.0) * thin * 0.35);
-    ambient + lamps * mix(0.35, 1.0, open) + xyz(studio.key_color) * through
+    ambient + lamps * mix(0.35, 1.0, open) + studio.key_color.as_dvec3() * through
 }
 
 /// Highlight of one lamp on dry skin.
@@ -81,15 +82,18 @@ pub fn skin_sheen(n: DVec3, v: DVec3, l: DVec3, roughness: f64, lamp: f64) -> f6
 /// Radiance of the sheen of skin and of the wet film on the margin.
 pub fn skin_specular(studio: &Studio, n: DVec3, v: DVec3, tissue: DVec4, roughness: f64) -> DVec3 {
     let wet = tissue.x.clamp(0.0, 1.0);
-    let (key, fill) = (xyz(studio.key_direction), xyz(studio.fill_direction));
+    let (key, fill) = (
+        studio.key_direction.as_dvec3(),
+        studio.fill_direction.as_dvec3(),
+    );
     let rough = mix(roughness, 0.14, wet);
     let r = reflected(v, n);
-    let key_width = f64::from(studio.key_direction.w);
+    let key_width = f64::from(studio.key_radius);
     let lobes = 0.62 * skin_sheen(n, v, key, rough, key_width)
         + 0.38 * skin_sheen(n, v, key, rough * 1.7, 0.2);
     let grazing = 1.0 - n.dot(v).max(0.0);
-    let mut specular = xyz(studio.key_color) * lobes
-        + xyz(studio.fill_color) * skin_sheen(n, v, fill, rough * 1.2, 0.3)
+    let mut specular = studio.key_color.as_dvec3() * lobes
+        + studio.fill_color.as_dvec3() * skin_sheen(n, v, fill, rough * 1.2, 0.3)
         + studio_ambient(studio, r) * (0.022 + 0.16 * grazing.powi(5));
     if wet > 0.02 {
         let film = fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337) * 0.8;

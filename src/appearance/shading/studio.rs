@@ -1,7 +1,7 @@
 //! The studio that lights the eye: a four-paned window (the key light), a smaller lamp (the fill) and
 //! soft surroundings. Head frame. Twin: `shaders/lib/studio.wgsl`.
 
-use super::{mix, smoothstep, xyz};
+use super::{mix, smoothstep};
 use crate::appearance::materials::Studio;
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
@@ -9,20 +9,23 @@ use glam::{DVec2, DVec3};
 /// Radiance that arrives from the unit direction `d`; `blur` (rad) is the width of the edges.
 pub fn studio_radiance(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
     let up = smoothstep(0.15, 0.85, 0.5 + 0.5 * d.y);
-    let surroundings = xyz(studio.ambient_down).lerp(xyz(studio.ambient_up), up);
+    let surroundings = studio
+        .ambient_down
+        .as_dvec3()
+        .lerp(studio.ambient_up.as_dvec3(), up);
     let fill = round_lamp(
         d,
-        xyz(studio.fill_direction),
-        studio.fill_direction.w.into(),
+        studio.fill_direction.as_dvec3(),
+        studio.fill_radius.into(),
         blur,
     );
-    let key = if studio.ambient_up.w < 0.5 {
-        let radius = studio.key_direction.w.into();
-        xyz(studio.key_color) * round_lamp(d, xyz(studio.key_direction), radius, blur)
+    let key = if studio.is_window < 0.5 {
+        let radius = studio.key_radius.into();
+        studio.key_color.as_dvec3() * round_lamp(d, studio.key_direction.as_dvec3(), radius, blur)
     } else {
         window(studio, d, blur)
     };
-    surroundings + key + xyz(studio.fill_color) * fill
+    surroundings + key + studio.fill_color.as_dvec3() * fill
 }
 
 /// Radiance over irradiance / π of a round lamp of angular radius `radius` (rad) about `direction`.
@@ -37,7 +40,7 @@ pub fn round_lamp(d: DVec3, direction: DVec3, radius: f64, blur: f64) -> f64 {
 }
 
 fn window(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
-    let key = xyz(studio.key_direction);
+    let key = studio.key_direction.as_dvec3();
     let right = DVec3::Y.cross(key).normalize();
     let above = key.cross(right);
     let along = d.dot(key);
@@ -45,7 +48,7 @@ fn window(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
         return DVec3::ZERO;
     }
     let p = DVec2::new(d.dot(right), d.dot(above)) / along;
-    let half_size = DVec2::new(0.72, 1.0) * f64::from(studio.key_direction.w);
+    let half_size = DVec2::new(0.72, 1.0) * f64::from(studio.key_radius);
     let edge = blur.max(0.008);
     let inside = |off: f64| smoothstep(edge, -edge, off);
     let within = inside(p.x.abs() - half_size.x) * inside(p.y.abs() - half_size.y);
@@ -55,12 +58,15 @@ fn window(studio: &Studio, d: DVec3, blur: f64) -> DVec3 {
     // The radiance of a window of this solid angle that gives the key's irradiance.
     let solid_angle = 4.0 * half_size.x * half_size.y;
     let sky = 0.75 + 0.25 * (p.y / half_size.y).clamp(-1.0, 1.0);
-    xyz(studio.key_color) * (PI / solid_angle * coverage * sky)
+    studio.key_color.as_dvec3() * (PI / solid_angle * coverage * sky)
 }
 
 /// Irradiance / π from the surroundings without the two lamps on a surface of normal `n`.
 pub fn studio_ambient(studio: &Studio, n: DVec3) -> DVec3 {
-    xyz(studio.ambient_down).lerp(xyz(studio.ambient_up), 0.5 + 0.5 * n.y)
+    studio
+        .ambient_down
+        .as_dvec3()
+        .lerp(studio.ambient_up.as_dvec3(), 0.5 + 0.5 * n.y)
 }
 
 /// Mean cosine of a lamp over a surface that bends light around its terminator by `wrap` (0:
@@ -73,19 +79,18 @@ pub fn wrapped_cosine(cosine: f64, wrap: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy::math::Vec4;
+    use bevy::math::Vec3;
 
     #[test]
     fn the_window_gives_about_the_irradiance_that_it_is_given() {
         // Sum of radiance times solid angle over the window's plane, black surroundings and no fill.
         let studio = Studio {
-            fill_color: Vec4::ZERO,
-            // Black, with a window.
-            ambient_up: Vec4::W,
-            ambient_down: Vec4::ZERO,
+            fill_color: Vec3::ZERO,
+            ambient_up: Vec3::ZERO,
+            ambient_down: Vec3::ZERO,
             ..Studio::default()
         };
-        let key = xyz(studio.key_direction);
+        let key = studio.key_direction.as_dvec3();
         let right = DVec3::Y.cross(key).normalize();
         let above = key.cross(right);
         let (step, mut sum) = (0.002, 0.0);
