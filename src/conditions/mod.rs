@@ -9,10 +9,12 @@
 
 pub mod cataract;
 pub mod glaucoma;
+pub mod ptosis;
 mod write;
 
 pub use cataract::Cataract;
 pub use glaucoma::{Glaucoma, GlaucomaStage};
+pub use ptosis::Ptosis;
 pub use write::{AddCondition, Unaffected};
 
 use crate::anatomy::{Iris, Lids, OcularMedia, Refraction, VisualField};
@@ -27,6 +29,7 @@ macro_rules! with_conditions {
             conditions {
                 glaucoma: $crate::conditions::Glaucoma, "loss of nerve fibres and of the visual field: `Early`, `Moderate`, `Severe`, or `MeanDeviation(dB)`, 0 to -30";
                 cataract: $crate::conditions::Cataract, "clouding of the lens by its LOCS III grades: `(nuclear: 0 to 6.9, cortical: 0 to 5.9, subcapsular: 0 to 5.9)`, or by the eye's straylight: `(nuclear: 1, log_s: 0.5 to 2.5)`";
+                ptosis: $crate::conditions::Ptosis, "an upper lid that hangs: `(mrd1_mm: -4 to 4.4)`, its margin above the corneal reflex";
             }
             $($rest)*
         }

@@ -28,6 +28,7 @@ pub const PRESETS: &[Preset] = presets![
     "glaucoma-moderate",
     "cataract-nuclear",
     "cataract-posterior",
+    "ptosis-left",
 ];
 
 /// The built-in patient of this name.

@@ -1,0 +1,78 @@
+//! Ptosis: an upper lid that hangs.
+//!
+//! Enters: the margin reflex distance (MRD1), from the light's reflection on the cornea to the margin of
+//! the upper lid. Leaves: how far the lids open.
+
+use super::{Affected, Condition, Control};
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::prelude::Component;
+use bevy::reflect::Reflect;
+use serde::{Deserialize, Serialize};
+
+/// MRD1 of an eye whose lids open as usual, mm: 4 to 5 in adults (Putterman 1980); here what the resting
+/// margin of the face has.
+const USUAL_MM: f64 = 4.4;
+/// How far the upper margin travels between open and closed, mm: a fissure of 9.7 mm (Read 2006), of which
+/// the lower lid takes an eighth.
+const TRAVEL_MM: f64 = 8.44;
+
+/// Ptosis of an eye, or of both eyes of a person.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Component)]
+#[serde(deny_unknown_fields)]
+pub struct Ptosis {
+    /// Margin reflex distance MRD1, mm, −4 to 4.4: 3 is mild, 2 moderate, 0 and below severe: the lid
+    /// covers the middle of the pupil.
+    pub mrd1_mm: f64,
+}
+
+impl Condition for Ptosis {
+    const TITLE: &'static str = "Ptosis";
+
+    fn onset() -> Self {
+        Self { mrd1_mm: 2.0 }
+    }
+
+    fn controls() -> &'static [Control<Self>] {
+        &[Control {
+            name: "mrd1_mm",
+            range: (-4.0, USUAL_MM),
+            meaning: "upper lid margin above the corneal reflex (MRD1, mm)",
+            get: |own| Some(own.mrd1_mm),
+            set: |own, value| own.mrd1_mm = value,
+        }]
+    }
+
+    fn write(&self, affected: &mut Affected) {
+        let drop_mm = (USUAL_MM - self.mrd1_mm).clamp(0.0, TRAVEL_MM);
+        if drop_mm > 0.0 {
+            affected.lids.opening *= 1.0 - drop_mm / TRAVEL_MM;
+        }
+    }
+
+    fn caption(&self) -> String {
+        format!("Ptosis, MRD1 {:.1} mm.", self.mrd1_mm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anatomy::Laterality;
+
+    fn opening(mrd1_mm: f64) -> f64 {
+        let mut affected = Affected::healthy(Laterality::OD, 60.0);
+        Ptosis { mrd1_mm }.write(&mut affected);
+        affected.lids.opening
+    }
+
+    #[test]
+    fn a_lid_opens_as_far_as_it_is_measured() {
+        assert_eq!((opening(4.4), opening(9.0)), (1.0, 1.0));
+        // 2.4 of 8.44 mm lower.
+        assert!((opening(2.0) - 0.716).abs() < 1e-3);
+        assert!((opening(-4.0) - 0.0047).abs() < 1e-3);
+        assert_eq!(opening(f64::NAN), 1.0);
+        assert_eq!(opening(f64::NEG_INFINITY), 0.0);
+    }
+}
