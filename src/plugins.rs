@@ -24,7 +24,9 @@ pub mod prelude {
         Lids, OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
     };
     pub use crate::appearance::{EyeLight, EyeModel, Studio};
-    pub use crate::conditions::{AddCondition, Cataract, Condition, Glaucoma, GlaucomaStage};
+    pub use crate::conditions::{
+        AddCondition, Cataract, Condition, Glaucoma, GlaucomaStage, Ptosis,
+    };
     pub use crate::frame::{EyeSystems, Panel, SimulationClock};
     pub use crate::motion::engine::GazeCommand;
     pub use crate::motion::{GazeController, MotionCommand};

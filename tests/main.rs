@@ -1,6 +1,7 @@
 //! The integration tests: one binary, so that Bevy links once.
 
 mod cli;
+mod clouded;
 mod drawn_blur;
 mod examples;
 mod gpu;

@@ -294,6 +294,7 @@ fn what_is_remembered_is_there_when_the_head_comes_back() {
 /// Which panels a change must show in: (eye, view).
 type Change = (&'static str, fn(&mut World, Entity, Entity), [bool; 2]);
 
+/// Changes a component where it is.
 fn with<C: Component<Mutability = bevy::ecs::component::Mutable>>(
     world: &mut World,
     entity: Entity,
@@ -369,9 +370,144 @@ const CHANGES: &[Change] = &[
         [false, true],
     ),
     (
+        "Cataract of the eye",
+        |w, eye, _| {
+            w.entity_mut(eye).insert(Cataract {
+                nuclear: 5.0,
+                subcapsular: 4.0,
+                ..Cataract::default()
+            });
+        },
+        [true, true],
+    ),
+    (
+        "another Cataract",
+        |w, eye, _| with(w, eye, |c: &mut Cataract| c.nuclear = 1.0),
+        [true, true],
+    ),
+    (
+        "no cataract",
+        |w, eye, _| {
+            w.entity_mut(eye).remove::<Cataract>();
+        },
+        [true, true],
+    ),
+    (
+        "Lids",
+        |w, eye, _| with(w, eye, |lids: &mut Lids| lids.opening = 0.5),
+        [true, true],
+    ),
+    (
+        "Ptosis on half-open lids",
+        |w, eye, _| {
+            w.entity_mut(eye).insert(Ptosis { mrd1_mm: 1.0 });
+        },
+        [true, true],
+    ),
+    (
+        "usual Lids, no ptosis",
+        |w, eye, _| {
+            w.entity_mut(eye)
+                .insert(Lids { opening: 1.0 })
+                .remove::<Ptosis>();
+        },
+        [true, true],
+    ),
+    (
+        "free pupils",
+        |w, _, patient| with(w, patient, |p: &mut PupilControl| p.fixed_mm = None),
+        [true, true],
+    ),
+    (
+        "Adaptation",
+        |w, _, patient| {
+            with(w, patient, |a: &mut Adaptation| {
+                a.luminance_cd_m2 = 0.01;
+            });
+        },
+        [true, true],
+    ),
+    (
+        "SharpnessField",
+        |w, _, patient| {
+            with(w, patient, |f: &mut SharpnessField| {
+                f.blur_cap_rad = 0.002;
+            });
+        },
+        [false, true],
+    ),
+    (
+        "Lens",
+        |w, eye, patient| {
+            with(w, eye, |lens: &mut Lens| lens.amplitude_d = Some(0.0));
+            // What she saw sharply before is nothing of the lens.
+            with(w, patient, |field: &mut SharpnessField| {
+                field.blur_cap_rad = 0.03;
+                field.restart();
+            });
+        },
+        [false, true],
+    ),
+    (
+        "EyeLight",
+        |w, _, _| {
+            let mut lights = w.query::<&mut EyeLight>();
+            for mut light in lights.iter_mut(w) {
+                *light = EyeLight::Studio(Studio {
+                    key_color: Vec3::new(0.2, 0.9, 0.3),
+                    ..Studio::default()
+                });
+            }
+        },
+        [true, false],
+    ),
+    (
+        "EyeDetail",
+        |w, _, _| {
+            let mut details = w.query::<&mut ocularium::appearance::EyeDetail>();
+            for mut detail in details.iter_mut(w) {
+                detail.fine = !detail.fine;
+            }
+        },
+        [true, false],
+    ),
+    (
+        "ViewOptions",
+        |w, _, _| {
+            let mut options = w.query::<&mut ViewOptions>();
+            for mut options in options.iter_mut(w) {
+                options.exposure *= 0.5;
+            }
+        },
+        [false, true],
+    ),
+    (
         "Patient",
         |w, _, patient| with(w, patient, |p: &mut Patient| p.leading = Laterality::OS),
         [true, false],
+    ),
+    (
+        "EyeModel and SeesAs of another person",
+        |w, _, _| {
+            let ben = w
+                .spawn((
+                    Patient::preset("glaucoma-moderate"),
+                    PupilControl {
+                        held_mm: Some(4.0),
+                        ..default()
+                    },
+                ))
+                .id();
+            let mut models = w.query::<&mut EyeModel>();
+            for mut model in models.iter_mut(w) {
+                model.0 = ben;
+            }
+            let mut views = w.query::<&mut SeesAs>();
+            for mut sees in views.iter_mut(w) {
+                sees.0 = ben;
+            }
+        },
+        [true, true],
     ),
 ];
 
