@@ -14,6 +14,7 @@ pub mod nerve_fibre;
 
 use super::Laterality;
 use super::gaze::GazeAngles;
+use crate::optics::smoothstep::smoothstep;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
 use bevy::reflect::Reflect;
@@ -219,7 +220,7 @@ impl VisualField {
         }
         // The retina is the field upside down.
         let bundle = bundle_of(x, -y);
-        let along = smoothstep((bundle.distance_deg - 10.0) / 20.0);
+        let along = smoothstep(10.0, 30.0, bundle.distance_deg);
         self.bundle_losses
             .iter()
             .fold(self.even_loss_db, |sum, group| {
@@ -253,12 +254,7 @@ fn extent_deg(x: f64, y: f64) -> f64 {
 fn outside_blind_spot(x: f64, y: f64) -> f64 {
     let [centre_x, centre_y, width, height] = BLIND_SPOT_DEG;
     let radius = (2.0 * (x - centre_x) / width).hypot(2.0 * (y - centre_y) / height);
-    smoothstep((radius - 0.9) / 0.2)
-}
-
-fn smoothstep(u: f64) -> f64 {
-    let u = u.clamp(0.0, 1.0);
-    u * u * (3.0 - 2.0 * u)
+    smoothstep(0.9, 1.1, radius)
 }
 
 fn grid_place_deg(row: usize, column: usize) -> (f64, f64) {

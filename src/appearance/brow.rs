@@ -10,7 +10,7 @@ use rand_pcg::Pcg32;
 
 use super::face_region::{EyeRegion, PosedRegion};
 use super::hair::{HairMesh, RINGS, hair_indices, hair_parameter};
-use super::lids::smooth;
+use crate::optics::smoothstep::smoothstep;
 
 #[derive(Clone, Copy, Debug)]
 struct BrowHair {
@@ -120,7 +120,7 @@ fn plant(corners: [u32; 3], x: f32, random: &mut Pcg32) -> BrowHair {
     let (a, b) = (random.random::<f32>().sqrt(), random.random::<f32>());
     let mut around =
         |middle: f32, spread: f32| middle + spread * random.random_range(-1.0..1.0_f32);
-    let out = smooth(-16.0, 8.0, x);
+    let out = smoothstep(-16.0, 8.0, x);
     BrowHair {
         corners,
         weights: [1.0 - a, a * (1.0 - b), a * b],

@@ -7,7 +7,8 @@
 
 use glam::Vec3;
 
-use super::lids::{Fissure, Lid, LidPose, MARGIN_CLEARANCE_MM, smooth};
+use super::lids::{Fissure, Lid, LidPose, MARGIN_CLEARANCE_MM};
+use crate::optics::smoothstep::smoothstep;
 
 /// Columns of a corner grid, along the margins.
 pub const CORNER_COLUMNS: usize = 19;
@@ -48,9 +49,9 @@ pub fn corner_tissue(corner: Corner, column: usize, row: usize) -> [f32; 2] {
     match corner {
         Corner::Medial => [
             (mound(s, q) * 1.25 + 0.35 * ridge(s, q)).min(1.0),
-            1.0 - smooth(0.55, 1.0, s),
+            1.0 - smoothstep(0.55, 1.0, s),
         ],
-        Corner::Lateral => [0.0, 0.8 * (1.0 - smooth(0.1, 1.0, s))],
+        Corner::Lateral => [0.0, 0.8 * (1.0 - smoothstep(0.1, 1.0, s))],
     }
 }
 
@@ -83,7 +84,7 @@ pub fn corner_grid(
         let lower = fissure.margin(Lid::Lower, t, pose);
         let gap = upper.direction.distance(lower.direction) * 11.5;
         // The mounds are soft: closing lids press them flat.
-        let room = smooth(0.0, 2.2, gap);
+        let room = smoothstep(0.0, 2.2, gap);
         for r in 0..CORNER_ROWS {
             let q = r as f32 / (CORNER_ROWS - 1) as f32;
             // A little beyond the margins on both sides, so that the edge is hidden by the lids.
@@ -92,8 +93,8 @@ pub fn corner_grid(
                 (lower.direction + (upper.direction - lower.direction) * reach).normalize_or_zero();
             let edge = lower.lift_mm + (upper.lift_mm - lower.lift_mm) * q - 0.7 * (1.0 - room);
             let floor = match corner {
-                Corner::Medial => edge * (1.0 - smooth(0.1, 0.8, s)) * 0.8,
-                Corner::Lateral => edge * (1.0 - smooth(0.1, 0.8, s)) * 0.85,
+                Corner::Medial => edge * (1.0 - smoothstep(0.1, 0.8, s)) * 0.8,
+                Corner::Lateral => edge * (1.0 - smoothstep(0.1, 0.8, s)) * 0.85,
             };
             let rise = (2.0 * q - 1.0).abs().powi(3);
             let mut off = floor + (edge - 0.02 - floor) * rise;
@@ -101,7 +102,7 @@ pub fn corner_grid(
                 off += room * (1.35 * mound(s, q) + 0.5 * ridge(s, q)) * (1.0 - rise);
             }
             // The free edge dips under the globe's surface, so that it shows as a clean crescent.
-            off += (-SUNK_MM - off) * smooth(0.75, 1.0, s);
+            off += (-SUNK_MM - off) * smoothstep(0.75, 1.0, s);
             out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off.max(-SUNK_MM));
         }
     }
@@ -130,14 +131,14 @@ pub fn meniscus_strip(
         let across = fissure.margin(other, t, pose).direction - margin.direction;
         let gap = across.length() * 11.5;
         let inwards = across.normalize_or_zero();
-        let ends = smooth(0.0, 0.08, t - 0.2) * (1.0 - smooth(0.9, 0.96, t));
+        let ends = smoothstep(0.0, 0.08, t - 0.2) * (1.0 - smoothstep(0.9, 0.96, t));
         let reach = height.min(0.4 * gap) * ends.max(0.02);
         for k in 0..MENISCUS_POINTS {
             let s = k as f32 / (MENISCUS_POINTS - 1) as f32;
             // From the globe (s = 0) to the margin (s = 1), sagging towards their corner.
             let (along, off) = ((1.0 - s).powf(1.7) * reach, s.powf(1.7) * reach);
             let direction = (margin.direction + inwards * (along / 11.5)).normalize_or_zero();
-            let lift = margin.lift_mm * smooth(0.0, 0.6, s) + MARGIN_CLEARANCE_MM * s;
+            let lift = margin.lift_mm * smoothstep(0.0, 0.6, s) + MARGIN_CLEARANCE_MM * s;
             out[i * MENISCUS_POINTS + k] =
                 direction * (globe_radius(direction) + 0.01 + lift + off);
         }

@@ -27,7 +27,8 @@ fn vertical_field(aspect: f32) -> f32 {
 }
 
 /// How finely an eye camera draws.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
 pub struct EyeQuality {
     /// Samples a pixel. Software rasterisers take three times as long for four.
     pub msaa: Msaa,
@@ -43,12 +44,14 @@ impl Default for EyeQuality {
 
 /// A camera that looks at an eye in the world, this [`super::EyeModel`], into its own [`Panel`]. It draws
 /// only when the picture has changed.
-#[derive(Component, Clone, Copy, Debug, ExtractComponent)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect, ExtractComponent)]
+#[reflect(Component)]
 #[require(EyeOrbit, EyeQuality, Drawn)]
-pub struct EyeCamera(pub Entity);
+pub struct EyeCamera(#[entities] pub Entity);
 
 /// Where an eye camera stands: on a sphere about the eye.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct EyeOrbit {
     /// To the patient's right, degrees, −85 to 85.
     pub azimuth_deg: f32,

@@ -16,7 +16,8 @@ pub use super::face_cage::FaceError;
 use super::face_cage::{Cage, Shape};
 use super::lid_profile::{ANTERIOR_ROW, Column, ColumnFrame, EDGE_ROWS, ROWS, column_profile};
 pub use super::lids::LidPose;
-use super::lids::{Fissure, Lid, MarginPoint, smooth};
+use super::lids::{Fissure, Lid, MarginPoint};
+use crate::optics::smoothstep::smoothstep;
 
 /// Points of each margin polyline in [`PosedRegion`].
 pub const MARGIN_POINTS: usize = 33;
@@ -191,12 +192,12 @@ impl EyeRegion {
         const WET: [f32; EDGE_ROWS] = [1.0, 1.0, 1.0, 1.0, 0.9, 0.55, 0.15, 0.0];
         for border in &self.cage.border {
             let t = border.column.t;
-            let corner = (1.0 - smooth(0.0, 0.12, t)).max(0.6 * smooth(0.95, 1.0, t));
+            let corner = (1.0 - smoothstep(0.0, 0.12, t)).max(0.6 * smoothstep(0.95, 1.0, t));
             for row in 0..ROWS {
                 let along = (row as f32 - ANTERIOR_ROW as f32) / (ROWS - ANTERIOR_ROW) as f32;
-                let thin = 1.0 - smooth(0.25, 1.0, along);
+                let thin = 1.0 - smoothstep(0.25, 1.0, along);
                 let wet = WET.get(row).copied().unwrap_or(0.0);
-                let pink = corner * (1.0 - smooth(0.0, 0.35, along));
+                let pink = corner * (1.0 - smoothstep(0.0, 0.35, along));
                 out.push([wet, thin, pink, 0.0]);
             }
         }
@@ -444,9 +445,9 @@ fn brow_weight(p: Vec3) -> f32 {
     }
     let line = 18.2 + 4.0 * (s * 1.25).min(1.0) - 7.0 * (s - 0.72).max(0.0);
     let half = 4.0 * (1.0 - 0.7 * s);
-    smooth(0.0, 0.06, s)
-        * (1.0 - smooth(0.85, 1.0, s))
-        * (1.0 - smooth(0.55, 1.0, ((p.y - line) / half).abs()))
+    smoothstep(0.0, 0.06, s)
+        * (1.0 - smoothstep(0.85, 1.0, s))
+        * (1.0 - smoothstep(0.55, 1.0, ((p.y - line) / half).abs()))
 }
 
 #[cfg(test)]

@@ -32,7 +32,8 @@ mod tests;
 use canvas::{Canvas, Grid};
 use layout::Layout;
 
-use super::noise::{fbm, lerp, smoothstep, value_noise};
+use super::noise::{fbm, lerp, value_noise};
+use crate::optics::smoothstep::smoothstep;
 
 /// Pupil radius, mm, at which widths in millimetres are laid out.
 pub const DESIGN_PUPIL_RADIUS_MM: f32 = 1.75;

@@ -11,7 +11,8 @@ use rand_pcg::Pcg32;
 
 use super::face_region::{MARGIN_POINTS, PosedRegion};
 use super::hair::{HairMesh, RINGS, hair_indices, hair_parameter};
-use super::lids::{Lid, smooth};
+use super::lids::Lid;
+use crate::optics::smoothstep::smoothstep;
 
 /// One lash in the frame of its root.
 #[derive(Clone, Copy, Debug)]
@@ -148,10 +149,10 @@ fn grow(lid: Lid, count: usize, from: f32, to: f32, random: &mut Pcg32, out: &mu
 fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> Lash {
     let mut around =
         |middle: f32, spread: f32| middle + spread * random.random_range(-1.0..1.0_f32);
-    let ends = smooth(0.1, 0.62, t) * (1.0 - 0.75 * smooth(0.8, 1.0, t));
+    let ends = smoothstep(0.1, 0.62, t) * (1.0 - 0.75 * smoothstep(0.8, 1.0, t));
     // About 31 mm of margin: what the tip must lean to reach the middle of its clump.
     let lean_for = |length: f32| 31.0 * towards_clump / length;
-    let fan = -0.34 + 0.78 * smooth(0.1, 1.0, t);
+    let fan = -0.34 + 0.78 * smoothstep(0.1, 1.0, t);
     match lid {
         Lid::Upper => {
             let length_mm = around(4.2 + 4.5 * ends, 1.1).min(11.0);

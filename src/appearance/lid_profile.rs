@@ -7,7 +7,8 @@
 
 use glam::Vec3;
 
-use super::lids::{Lid, LidPose, MARGIN_CLEARANCE_MM, MarginPoint, REST_RADIUS_MM, smooth};
+use super::lids::{Lid, LidPose, MARGIN_CLEARANCE_MM, MarginPoint, REST_RADIUS_MM};
+use crate::optics::smoothstep::smoothstep;
 
 /// Rows from deep under the lid to the lash line.
 pub const EDGE_ROWS: usize = 8;
@@ -46,30 +47,32 @@ impl Column {
     pub fn fold_weight(&self, lowered: f32) -> f32 {
         let (medial, lateral) = (0.2 + 0.3 * lowered, 0.9 - 0.35 * lowered);
         match self.lid {
-            Lid::Upper => smooth(0.03, medial, self.t) * (1.0 - smooth(lateral, 1.0, self.t)),
+            Lid::Upper => {
+                smoothstep(0.03, medial, self.t) * (1.0 - smoothstep(lateral, 1.0, self.t))
+            }
             Lid::Lower => 0.0,
         }
     }
 
     fn lower_weight(&self) -> f32 {
         match self.lid {
-            Lid::Lower => smooth(0.05, 0.25, self.t) * (1.0 - smooth(0.8, 0.97, self.t)),
+            Lid::Lower => smoothstep(0.05, 0.25, self.t) * (1.0 - smoothstep(0.8, 0.97, self.t)),
             Lid::Upper => 0.0,
         }
     }
 
     /// 0 at the canthi, where the margin turns round, 1 elsewhere, over the share `turn` of the margin.
     pub fn inside_weight(&self, turn: f32) -> f32 {
-        smooth(0.0, turn, self.t) * (1.0 - smooth(1.0 - turn, 1.0, self.t))
+        smoothstep(0.0, turn, self.t) * (1.0 - smoothstep(1.0 - turn, 1.0, self.t))
     }
 
     /// How far (mm) the anterior edge leans over the fissure: an open upper lid hides its margin.
     fn lean_mm(&self, aperture: f32) -> f32 {
         match self.lid {
             Lid::Upper => {
-                0.55 * smooth(0.02, 0.5, aperture)
-                    * smooth(0.04, 0.3, self.t)
-                    * (1.0 - smooth(0.85, 1.0, self.t))
+                0.55 * smoothstep(0.02, 0.5, aperture)
+                    * smoothstep(0.04, 0.3, self.t)
+                    * (1.0 - smoothstep(0.85, 1.0, self.t))
             }
             Lid::Lower => 0.0,
         }
@@ -77,7 +80,7 @@ impl Column {
 
     /// Thickness of the lid's edge, mm.
     pub fn thickness_mm(&self) -> f32 {
-        1.15 + 0.8 * (smooth(0.0, 0.2, self.t) * (1.0 - smooth(0.85, 1.0, self.t)))
+        1.15 + 0.8 * (smoothstep(0.0, 0.2, self.t) * (1.0 - smoothstep(0.85, 1.0, self.t)))
     }
 }
 
@@ -135,7 +138,7 @@ pub fn column_profile(
         let up = (path.at((v + 0.01).min(1.0)) - path.at(v - 0.01)).normalize_or_zero();
         let out =
             (base.normalize_or_zero() - up * up.dot(base.normalize_or_zero())).normalize_or_zero();
-        let fade = 1.0 - smooth(0.75, 1.0, v);
+        let fade = 1.0 - smoothstep(0.75, 1.0, v);
         points[EDGE_ROWS + k] = base + (out * fold.push_mm(a) - up * fold.overhang_mm(a)) * fade;
         light[EDGE_ROWS + k] = fold.light(a);
     }
@@ -247,9 +250,9 @@ impl Fold {
             crease_mm: crease.max(1.3 * scale),
             length,
             scale,
-            depth: upper * scale * (0.9 - 0.68 * smooth(0.0, 0.65, lowered)),
-            width: 0.4 + 0.65 * smooth(0.0, 0.7, lowered),
-            bulge: upper * scale * (0.95 - 0.88 * smooth(0.0, 0.65, lowered)),
+            depth: upper * scale * (0.9 - 0.68 * smoothstep(0.0, 0.65, lowered)),
+            width: 0.4 + 0.65 * smoothstep(0.0, 0.7, lowered),
+            bulge: upper * scale * (0.95 - 0.88 * smoothstep(0.0, 0.65, lowered)),
         }
     }
 
@@ -278,7 +281,7 @@ impl Fold {
         let c = self.past_crease(a);
         let groove = -self.depth * (-(c / self.width).powi(2)).exp();
         let lip = self.bulge
-            * smooth(0.05, 0.4 + 0.9 * self.width, c)
+            * smoothstep(0.05, 0.4 + 0.9 * self.width, c)
             * (-((c - 0.75).max(0.0) / 3.0).powi(2)).exp();
         let roll =
             0.2 * (-((a - 2.8) / 1.8).powi(2)).exp() - 0.18 * (-((a - 5.2) / 1.2).powi(2)).exp();
@@ -288,7 +291,7 @@ impl Fold {
     /// How far the fold hangs down over the crease, mm.
     fn overhang_mm(&self, a: f32) -> f32 {
         let c = self.past_crease(a);
-        0.75 * self.bulge * smooth(0.0, 0.45, c) * (-((c - 0.45).max(0.0) / 1.1).powi(2)).exp()
+        0.75 * self.bulge * smoothstep(0.0, 0.45, c) * (-((c - 0.45).max(0.0) / 1.1).powi(2)).exp()
     }
 
     fn light(&self, a: f32) -> f32 {

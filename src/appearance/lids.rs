@@ -278,9 +278,3 @@ fn catmull_rom(p: [f32; 4], u: f32) -> f32 {
     );
     0.5 * (2.0 * p[1] + (p[2] - p[0]) * u + a * u * u + b * u * u * u)
 }
-
-/// Cubic step from 0 at `low` to 1 at `high`.
-pub fn smooth(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}

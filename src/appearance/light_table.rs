@@ -9,9 +9,9 @@
 //! rounding error, and a picture pays for two bilinear look-ups a lamp.
 
 use super::images::{Level, MapView};
-use super::shading::smoothstep;
 use crate::optics::caustic::caustic_irradiance_at;
 use crate::optics::fermat::{FERMAT_STEPS, fermat_entry};
+use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3, DVec4};
 
 /// The table reaches this far beyond the iris root, as a share of its radius.

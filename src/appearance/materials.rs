@@ -12,14 +12,14 @@ use bevy::math::{Mat4, Vec2, Vec3, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::AlphaMode;
-use bevy::reflect::TypePath;
+use bevy::reflect::{Reflect, TypePath};
 use bevy::render::render_resource::{
     AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureFormat,
 };
 use bevy::shader::ShaderRef;
 
 /// The studio that lights an eye (struct `Studio` of `shaders/lib/studio.wgsl`).
-#[derive(Clone, Copy, Debug, PartialEq, ShaderType)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, ShaderType)]
 pub struct Studio {
     /// Unit direction towards the key light, head frame.
     pub key_direction: Vec3,

@@ -55,6 +55,10 @@ impl Plugin for AppearancePlugin {
         ))
         .register_type::<EyeModel>()
         .register_type::<EyeDetail>()
+        .register_type::<EyeLight>()
+        .register_type::<EyeCamera>()
+        .register_type::<EyeOrbit>()
+        .register_type::<EyeQuality>()
         .init_resource::<model::FaceRegion>()
         .add_observer(model::take_parts_away)
         .add_systems(

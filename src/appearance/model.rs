@@ -36,10 +36,11 @@ pub const METRES_A_MM: f32 = 1e-3;
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component)]
 #[require(Transform, Visibility, EyeLight, EyeDetail, EyeParts)]
-pub struct EyeModel(pub Entity);
+pub struct EyeModel(#[entities] pub Entity);
 
 /// What lights an eye.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
 pub enum EyeLight {
     /// The lights of the world that it stands in: the two strongest that shine on it, and the rest as
     /// surroundings.
@@ -98,7 +99,8 @@ impl EyeParts {
 }
 
 /// Marks what belongs to an eye in the world: a child of its [`EyeModel`].
-#[derive(Component)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
 pub struct EyePart;
 
 /// The face about every eye, read once.

@@ -29,13 +29,6 @@ pub const fn unit_f32(hash: u32) -> f32 {
     (hash >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// Smooth step from 0 at `edge0` to 1 at `edge1` (cubic; `edge0 > edge1` falls instead).
-#[must_use]
-pub fn smoothstep(edge0: f32, edge1: f32, x: f32) -> f32 {
-    let t = ((x - edge0) / (edge1 - edge0)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 /// Linear interpolation from `a` (at `t = 0`) to `b` (at `t = 1`).
 #[must_use]
 pub fn lerp(a: f32, b: f32, t: f32) -> f32 {

@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 
 mod vessels;
 
-use super::noise::{fbm, lerp, smoothstep, value_noise};
+use super::noise::{fbm, lerp, value_noise};
+use crate::optics::smoothstep::smoothstep;
 
 /// Angle from the corneal axis at the middle of the map's edges, degrees.
 pub const MAP_EDGE_DEG: f32 = 100.0;

@@ -11,7 +11,8 @@ pub const SMALLEST_SIDE: u32 = 16;
 pub const LARGEST_SIDE: u32 = 8192;
 
 /// The panel of a camera.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Panel {
     /// Is it shown? A hidden panel runs no pass.
     pub visible: bool,

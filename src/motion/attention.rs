@@ -17,7 +17,7 @@ use crate::anatomy::visual_field::VisualField;
 use crate::motion::random;
 
 /// Something worth looking at, in head-fixed angles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
 pub struct Candidate {
     /// Positive to the patient's right, rad.
     pub azimuth_rad: f64,

@@ -21,7 +21,8 @@ const STRIP_S: f64 = 12.0;
 const ADAPTING_FIELD_DEG2: f64 = 900.0;
 
 /// Where a person could look: on her entity, written by her view when it has searched it.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Candidates {
     /// The list.
     pub list: Vec<Candidate>,
@@ -159,7 +160,8 @@ pub struct MotionPlugin;
 
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_message::<MotionCommand>()
+        app.register_type::<Candidates>()
+            .add_message::<MotionCommand>()
             .add_systems(Update, give_controllers.in_set(EyeSystems::Sense))
             .add_systems(
                 Update,

@@ -34,6 +34,7 @@ pub mod ray_trace;
 pub mod refraction_function;
 pub mod root;
 pub mod schematic_eye;
+pub mod smoothstep;
 pub mod snell;
 pub mod stiles_crawford;
 pub mod surface;

@@ -13,6 +13,8 @@
 //! blur), and blurred nearer surfaces are laid over what is behind them with the coverage that their
 //! own Gaussians give (near blur spreads over far sharpness).
 
+use crate::optics::smoothstep::smoothstep;
+
 /// Deviations at which the window of the taps reaches zero.
 pub const GAUSSIAN_WINDOW: f64 = 3.4;
 /// The Gaussian there, which the window subtracts: e^(−3.4²/2).
@@ -136,11 +138,6 @@ pub fn spread_taps(sigma_px: f64, max_taps: u32) -> u32 {
 pub fn spread_level(sigma_px: f64, taps: u32) -> f64 {
     let spacing = SPREAD_RADIUS * sigma_px * (std::f64::consts::PI / f64::from(taps.max(1))).sqrt();
     (spacing.max(1.0).log2() + 0.6).floor().max(0.0)
-}
-
-fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
-    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// Fraction of the light that the lids let through at height `v` of the view (0 top, 1 bottom) for

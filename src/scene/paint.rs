@@ -5,6 +5,7 @@
 //! every machine. What is called for every texel is `#[inline]`: a call costs more than what it does.
 
 use super::model::{SceneTexture, Wrap, srgb_to_linear};
+pub use crate::optics::smoothstep::smoothstep;
 
 /// An sRGB-encoded colour from `0xRRGGBB`, 0–1.
 #[inline]
@@ -21,13 +22,6 @@ pub fn linear(code: u32) -> [f32; 3] {
 #[inline]
 pub fn mix(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
     std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
-}
-
-/// Hermite step from 0 at `low` to 1 at `high`.
-#[inline]
-pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// A number 0–1 from integers (the finaliser of MurmurHash3, a public-domain mixer).

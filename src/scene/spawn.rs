@@ -22,7 +22,8 @@ use wgpu_types::DeviceType;
 pub const SCENE_LAYER: usize = 31;
 
 /// Marks what belongs to the scene that is looked at.
-#[derive(Component)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component)]
 pub struct ScenePart;
 
 /// How many texels along a slanted surface one look at a texture may mean on this device.

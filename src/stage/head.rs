@@ -17,7 +17,8 @@ pub const STEEPEST_DEG: f32 = 80.0;
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Where the head is and faces, against where the scene puts it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Head {
     /// Metres to the right, up and forwards, along the directions in which the scene puts it.
     pub place_m: Vec3,
@@ -75,11 +76,12 @@ impl Head {
 }
 
 /// Where the scene puts the head.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Seat(pub Transform);
 
 /// One moment of a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Reflect)]
 #[serde(deny_unknown_fields, default)]
 pub struct HeadKey {
     /// Time, s, 0 to 3600, above that of the key before.
@@ -109,7 +111,8 @@ impl HeadKey {
 }
 
 /// A way that a head goes; on the camera that sees it moves [`Head`] with the clock.
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct HeadPath(Vec<HeadKey>);
 
 /// Why a path could not be read.

@@ -1,8 +1,9 @@
 //! The relief of the iris over its plane: where the refracted ray meets it and what it takes of the
 //! light. Twin: `shaders/lib/iris_relief.wgsl`.
 
-use super::{mix, smoothstep};
+use super::mix;
 use crate::appearance::images::MapView;
+use crate::optics::smoothstep::smoothstep;
 use core::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 

@@ -5,11 +5,11 @@ use super::iris_relief::{
     relief_normal, relief_shadow,
 };
 use super::lid_shade::LidShade;
-use super::smoothstep;
 use super::studio::studio_ambient;
 use crate::appearance::images::MapView;
 use crate::appearance::light_table::iris_light;
 use crate::appearance::materials::Studio;
+use crate::optics::smoothstep::smoothstep;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// Longest path (mm) of the reflectance map.

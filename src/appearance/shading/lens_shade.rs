@@ -1,7 +1,7 @@
 //! A clouded lens behind the pupil. Twin: `shaders/lib/lens_shade.wgsl`.
 
-use super::smoothstep;
 use crate::anatomy::LENS_DISC_MM;
+use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3};
 
 const LENS_RADIUS_MM: f64 = 0.5 * LENS_DISC_MM;

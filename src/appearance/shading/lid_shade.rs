@@ -1,7 +1,8 @@
 //! What the lids leave of the light on the globe. Twin: `shaders/lib/lid_shade.wgsl`.
 
-use super::{mix, smoothstep};
+use super::mix;
 use crate::appearance::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidHeights};
+use crate::optics::smoothstep::smoothstep;
 use bevy::math::Vec4;
 use glam::DVec3;
 

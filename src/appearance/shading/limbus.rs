@@ -1,6 +1,6 @@
 //! The limbus, where the cornea goes over into the sclera. Twin: `shaders/lib/limbus.wgsl`.
 
-use super::smoothstep;
+use crate::optics::smoothstep::smoothstep;
 use glam::DVec3;
 
 /// Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.

@@ -16,12 +16,6 @@ pub mod skin_shade;
 pub mod studio;
 pub mod tear_reflection;
 
-/// WGSL's: 0 at `low`, 1 at `high`, whichever is the larger.
-pub(crate) fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 fn mix(a: f64, b: f64, share: f64) -> f64 {
     a + (b - a) * share
 }

@@ -2,11 +2,12 @@
 //! Twin: `shaders/lib/skin_shade.wgsl`, which says what is in `tissue`, `fine` and `coarse`.
 
 use super::lamp_lobe::{lamp_alpha, lamp_lobe};
+use super::mix;
 use super::studio::{studio_ambient, studio_radiance, wrapped_cosine};
 use super::tear_reflection::reflected;
-use super::{mix, smoothstep};
 use crate::appearance::materials::Studio;
 use crate::optics::fresnel::fresnel_dielectric;
+use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3, DVec4};
 
 /// The normal that faces the eye that looks, with the slope of pores and creases where skin is dry.

@@ -1,8 +1,9 @@
 //! The studio that lights the eye: a four-paned window (the key light), a smaller lamp (the fill) and
 //! soft surroundings. Head frame. Twin: `shaders/lib/studio.wgsl`.
 
-use super::{mix, smoothstep};
+use super::mix;
 use crate::appearance::materials::Studio;
+use crate::optics::smoothstep::smoothstep;
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 

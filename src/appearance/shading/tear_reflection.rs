@@ -1,10 +1,10 @@
 //! What the tears mirror of the surroundings. Head frame, unit vectors; `n` the normal, `v` towards the
 //! eye that looks. Twin: `shaders/lib/tear_reflection.wgsl`.
 
-use super::smoothstep;
 use super::studio::studio_radiance;
 use crate::appearance::materials::Studio;
 use crate::optics::fresnel::fresnel_dielectric;
+use crate::optics::smoothstep::smoothstep;
 use crate::optics::tear_film::tear_film_rgb;
 use glam::{DVec2, DVec3};
 
