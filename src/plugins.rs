@@ -20,8 +20,9 @@ impl PluginGroup for OculariumPlugins {
 pub mod prelude {
     pub use super::OculariumPlugins;
     pub use crate::anatomy::{
-        Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor, Laterality, Lens,
-        Lids, OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
+        Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
+        Laterality, Lens, Lids, OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera,
+        Skin,
     };
     pub use crate::appearance::{EyeLight, EyeModel, Studio};
     pub use crate::conditions::{
@@ -31,5 +32,5 @@ pub mod prelude {
     pub use crate::motion::engine::GazeCommand;
     pub use crate::motion::{GazeController, MotionCommand};
     pub use crate::patients::{PatientFile, load_patient};
-    pub use crate::percept::{SeesAs, SharpnessField, ViewOptions};
+    pub use crate::percept::{Percept, SeesAs, SharpnessField, ViewOptions};
 }

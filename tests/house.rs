@@ -10,7 +10,7 @@ const STOREYS: &[&[&str]] = &[
     &["optics"],
     &["anatomy"],
     &["frame"],
-    &["conditions", "scene", "motion", "appearance", "cloning"],
+    &["conditions", "scene", "motion", "appearance"],
     &["percept"],
     &["patients"],
     &["plugins"],

@@ -9,7 +9,7 @@
 set -eEuo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-most_bytes=10000000 # of the whole page as brotli
+most_bytes=6000000 # of the whole page as brotli
 web_target=${CARGO_TARGET_DIR:-$PWD/target}-web
 wasm_target=wasm32-unknown-unknown
 

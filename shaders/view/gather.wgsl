@@ -277,7 +277,10 @@ fn present(input: FullScreen) -> @location(0) vec4<f32> {
     if abs(uv.x - 0.5) > 0.5 {
         return vec4<f32>(0.0, 0.0, 0.0, 1.0);
     }
-    let open = eyelid_transmission(uv.y, percept.lid_aperture);
+    let slope = (1.0 - 2.0 * uv.y) * percept.tan_half_fov_y;
+    let upper = vec2<f32>(percept.upper_lid_mm, percept.upper_lid_ahead_mm);
+    let lower = vec2<f32>(percept.lower_lid_mm, percept.lower_lid_ahead_mm);
+    let open = eyelid_transmission(slope, upper, lower, 500.0 * percept.pupil_m);
     var radiance = (1.0 - open) * eyelid_glow();
     if open > 0.0 {
         var seen = seen_radiance(uv * vec2<f32>(percept.size));

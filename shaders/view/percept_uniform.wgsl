@@ -1,4 +1,4 @@
-// What every pass of the view reads. Keep in sync with src/percept/gpu_data.rs (208 bytes).
+// What every pass of the view reads. Keep in sync with src/percept/gpu_data.rs (224 bytes).
 // View frame: +x right, +y up, looking along -z; image y runs down.
 struct PerceptUniform {
     right: vec3<f32>,               // view +x in the world
@@ -29,7 +29,10 @@ struct PerceptUniform {
     target_size: vec2<f32>,         // of the image that `present` draws, pixels
     marker: vec2<f32>,              // fixation marker, target pixels from the top left
     marker_radius_px: f32,          // 0: no marker
-    lid_aperture: f32,              // 0 closed .. 1 open
+    upper_lid_mm: f32,              // its edge above the middle of the pupil
+    upper_lid_ahead_mm: f32,        // and before it
+    lower_lid_mm: f32,
+    lower_lid_ahead_mm: f32,
     max_taps: u32,
     candidate_capacity: u32,
     eccentricity_penalty: f32,      // lost field: rad of blur per rad of eccentricity
@@ -40,6 +43,7 @@ struct PerceptUniform {
     luma_exposure: f32,             // scene radiance that FAST calls white is 1 / this
     table_slots_old: u32,           // for `grow_table` only
     display_referred: u32,          // 1: the picture holds a display's colours, no shoulder
+    unused: f32,
 };
 
 @group(0) @binding(0) var<uniform> percept: PerceptUniform;

@@ -14,7 +14,7 @@ mod media;
 pub mod visual_field;
 
 pub use components::{
-    Accommodation, Adaptation, Cornea, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
+    Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
     Laterality, Lens, Lids, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
 pub use media::{LENS_DISC_MM, OcularMedia};

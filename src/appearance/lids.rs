@@ -214,6 +214,29 @@ impl Fissure {
         }
     }
 
+    /// The posterior edge of a margin straight above or below a place `x` mm aside of the globe's middle;
+    /// beyond a canthus the canthus.
+    pub fn above(
+        &self,
+        lid: Lid,
+        x: f32,
+        pose: &LidPose,
+        globe_radius: &dyn Fn(Vec3) -> f32,
+    ) -> Vec3 {
+        let (mut low, mut high) = (0.0, 1.0);
+        // A margin runs from one canthus to the other: sixteen halvings leave half a micrometre.
+        for _ in 0..16 {
+            let middle = 0.5 * (low + high);
+            if self.margin(lid, middle, pose).position(globe_radius).x < x {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        self.margin(lid, 0.5 * (low + high), pose)
+            .position(globe_radius)
+    }
+
     /// Height of the opening above the middle of the pupil's resting place, mm (vertical chord at x = 0).
     pub fn aperture_mm(&self, pose: &LidPose, globe_radius: &dyn Fn(Vec3) -> f32) -> f32 {
         let height = |lid| {

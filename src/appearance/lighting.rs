@@ -37,6 +37,7 @@ pub struct WorldLights<'w, 's> {
             &'static DirectionalLight,
             &'static GlobalTransform,
             Option<&'static RenderLayers>,
+            Option<&'static InheritedVisibility>,
         ),
     >,
     points: Query<
@@ -46,6 +47,7 @@ pub struct WorldLights<'w, 's> {
             &'static PointLight,
             &'static GlobalTransform,
             Option<&'static RenderLayers>,
+            Option<&'static InheritedVisibility>,
         ),
     >,
     spots: Query<
@@ -55,6 +57,7 @@ pub struct WorldLights<'w, 's> {
             &'static SpotLight,
             &'static GlobalTransform,
             Option<&'static RenderLayers>,
+            Option<&'static InheritedVisibility>,
         ),
     >,
     ambient: Option<Res<'w, GlobalAmbientLight>>,
@@ -70,13 +73,21 @@ fn shares(one: Option<&RenderLayers>, other: Option<&RenderLayers>) -> bool {
     one.unwrap_or(&all).intersects(other.unwrap_or(&all))
 }
 
+/// A light that is hidden gives none.
+fn shines(visibility: Option<&InheritedVisibility>) -> bool {
+    visibility.is_none_or(|visibility| visibility.get())
+}
+
 impl WorldLights<'_, '_> {
     /// The lights that shine on a place of the world, strongest first.
     fn at(&self, place: &GlobalTransform, layers: Option<&RenderLayers>) -> Vec<Arriving> {
         let (_, head, eye) = place.to_scale_rotation_translation();
         let to_head = head.inverse();
-        let suns = self.suns.iter().filter(|sun| shares(sun.2, layers));
-        let suns = suns.map(|(sun, transform, _)| Arriving {
+        let suns = self
+            .suns
+            .iter()
+            .filter(|sun| shines(sun.3) && shares(sun.2, layers));
+        let suns = suns.map(|(sun, transform, ..)| Arriving {
             direction: to_head * -Vec3::from(transform.forward()),
             over_pi: linear(sun.color) * (sun.illuminance / PI),
             radius_rad: SUN_RAD,
@@ -93,12 +104,18 @@ impl WorldLights<'_, '_> {
                     radius_rad: (radius / distance).atan().max(SUN_RAD),
                 }
             };
-        let points = self.points.iter().filter(|point| shares(point.2, layers));
-        let points = points.map(|(point, transform, _)| {
+        let points = self.points.iter().filter(|point| {
+            let reaches = point.1.translation().distance(eye) < point.0.range;
+            reaches && shines(point.3) && shares(point.2, layers)
+        });
+        let points = points.map(|(point, transform, ..)| {
             near(point.color, point.intensity, point.radius, transform, 1.0)
         });
-        let spots = self.spots.iter().filter(|spot| shares(spot.2, layers));
-        let spots = spots.map(|(spot, transform, _)| {
+        let spots = self.spots.iter().filter(|spot| {
+            let reaches = spot.1.translation().distance(eye) < spot.0.range;
+            reaches && shines(spot.3) && shares(spot.2, layers)
+        });
+        let spots = spots.map(|(spot, transform, ..)| {
             let away = (eye - transform.translation()).normalize_or(Vec3::NEG_Z);
             let angle = away.dot(transform.forward().into()).clamp(-1.0, 1.0).acos();
             let width = (spot.outer_angle - spot.inner_angle).max(1e-3);

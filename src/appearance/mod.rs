@@ -19,6 +19,7 @@ pub mod hair;
 pub mod images;
 pub mod iris_map;
 pub mod lashes;
+pub mod lid_edges;
 pub mod lid_profile;
 pub mod lids;
 pub mod light_table;

@@ -8,17 +8,18 @@ use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
 use super::lashes::Lashes;
+use super::light_table::{LightTableSettings, LightTableSize};
 use super::materials::{
     GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
     MeniscusUniform, SkinMaterial, SkinUniform, Studio,
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::tissue_maps::{
-    iris_image, light_image, reflectance_image, sclera_image, skin_albedo, skin_image,
-    static_uniform,
+    iris_image, light_image, light_settings, reflectance_image, sclera_image, skin_albedo,
+    skin_image, static_uniform,
 };
 use crate::anatomy::{
-    Cornea, Eye, EyeFinder, Iris, Laterality, OcularMedia, Patient, Sclera, Skin,
+    Cornea, Effective, Eye, EyeFinder, Iris, Laterality, OcularMedia, Patient, Sclera, Skin,
 };
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
@@ -64,6 +65,19 @@ impl Default for EyeDetail {
     }
 }
 
+/// What of a person and her eye is built in, so that another name builds nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MadeOf {
+    eye: Eye,
+    cornea: Cornea,
+    iris: Iris,
+    sclera: Sclera,
+    age_years: f64,
+    seed: u64,
+    skin: Skin,
+    fine: bool,
+}
+
 /// The parts of one eye in the world. `Changed` when the next picture of it differs from the last.
 #[derive(Component, Default)]
 pub struct EyeParts {
@@ -71,6 +85,9 @@ pub struct EyeParts {
     pub(super) built: u64,
     /// The eye that is shown.
     pub(super) eye: Option<Entity>,
+    pub(super) made_of: Option<MadeOf>,
+    /// The light table of a cornea and an iris, which outlasts another colour.
+    pub(super) light: Option<(LightTableSettings, Handle<Image>)>,
     pub(super) layers: RenderLayers,
     pub(super) lashes: Option<Lashes>,
     pub(super) posed: PosedRegion,
@@ -129,18 +146,13 @@ pub struct EyeAssets<'w> {
 }
 
 /// The anatomy that an eye is built from.
-type Built<'a> = (
-    Ref<'a, Eye>,
-    Ref<'a, Cornea>,
-    Ref<'a, Iris>,
-    Ref<'a, Sclera>,
-);
+type Built<'a> = (&'a Eye, &'a Cornea, &'a Effective<Iris>, &'a Sclera);
 
 /// What of a model decides how it is built.
 type Model<'a> = (
     Entity,
     &'a EyeModel,
-    Ref<'a, EyeDetail>,
+    &'a EyeDetail,
     Option<&'a RenderLayers>,
     Option<&'a Children>,
     &'a mut EyeParts,
@@ -182,7 +194,7 @@ pub fn build_eyes(
     mut models: Query<Model>,
     finder: EyeFinder,
     eyes: Query<Built>,
-    people: Query<(Ref<Patient>, Ref<Skin>)>,
+    people: Query<(&Patient, &Skin)>,
     old: Query<(), With<EyePart>>,
     region: Res<FaceRegion>,
     ledger: Res<WorkLedger>,
@@ -209,14 +221,17 @@ pub fn build_eyes(
             continue;
         };
         let layers = layers.cloned().unwrap_or_default();
-        let is_changed = parts.eye != Some(eye_entity)
-            || detail.is_changed()
-            || eye.is_changed()
-            || cornea.is_changed()
-            || iris.is_changed()
-            || sclera.is_changed()
-            || patient.is_changed()
-            || skin.is_changed();
+        let made_of = MadeOf {
+            eye: eye.clone(),
+            cornea: cornea.clone(),
+            iris: iris.0.clone(),
+            sclera: *sclera,
+            age_years: patient.age_years,
+            seed: patient.seed,
+            skin: *skin,
+            fine: detail.fine,
+        };
+        let is_changed = parts.eye != Some(eye_entity) || parts.made_of.as_ref() != Some(&made_of);
         if !is_changed {
             if parts.layers != layers {
                 own().for_each(|part| {
@@ -227,16 +242,17 @@ pub fn build_eyes(
             continue;
         }
         parts.eye = Some(eye_entity);
+        parts.made_of = Some(made_of);
         parts.layers = layers.clone();
         own().for_each(|part| commands.entity(part).despawn());
         readiness.restart();
         let anatomy = Anatomy {
-            eye: &eye,
-            cornea: &cornea,
-            iris: &iris,
-            sclera: &sclera,
-            patient: &patient,
-            skin: &skin,
+            eye,
+            cornea,
+            iris: &iris.0,
+            sclera,
+            patient,
+            skin,
         };
         let mut builder = Builder {
             model: entity,
@@ -333,7 +349,6 @@ impl Builder<'_, '_, '_, '_> {
             images.add(iris_image(anatomy, fine)),
             images.add(sclera_image(anatomy, fine)),
             images.add(reflectance_image(anatomy.iris)),
-            images.add(light_image(anatomy.cornea, anatomy.iris)),
         ];
         self.ledger.bytes_uploaded(
             maps.iter()
@@ -341,7 +356,18 @@ impl Builder<'_, '_, '_, '_> {
                 .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
                 .sum(),
         );
-        let [iris_map, sclera_map, reflectance_map, light_table] = maps;
+        let [iris_map, sclera_map, reflectance_map] = maps;
+        let settings = light_settings(anatomy.cornea, anatomy.iris);
+        let light_table = match &parts.light {
+            Some((of, table)) if *of == settings => table.clone(),
+            _ => {
+                let table = images.add(light_image(&settings));
+                self.ledger
+                    .bytes_uploaded(LightTableSize::PICTURE.bytes() as u64);
+                parts.light = Some((settings, table.clone()));
+                table
+            }
+        };
         let uniform = static_uniform(anatomy, shape, studio);
         parts.globe.clear();
         for (part, mesh) in [GlobePart::Cornea, GlobePart::Sclera]

@@ -4,12 +4,12 @@ use super::face_region::LidPose;
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
-use crate::anatomy::{Eye, EyeOf, Eyelids, Gaze, Iris, Lids, OcularMedia, Pupil};
+use crate::anatomy::{Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, OcularMedia, Pupil};
 use crate::frame::ledger::WorkLedger;
 use bevy::prelude::*;
 
 /// What of an eye moves its globe.
-type Turning<'a> = (&'a Eye, &'a Gaze, &'a Pupil, &'a Iris);
+type Turning<'a> = (&'a Eye, &'a Gaze, &'a Pupil, &'a Effective<Iris>);
 
 /// An eye that nobody may see is not moved.
 fn is_hidden(visibility: &Visibility) -> bool {
@@ -56,7 +56,7 @@ pub fn move_eyes(
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.globe.head_from_eye = Mat4::from_quat(rotation);
                 material.globe.pupil_radius_mm = radius;
-                let [nasally, up] = iris.pupil_decentration_mm.map(|mm| mm as f32);
+                let [nasally, up] = iris.0.pupil_decentration_mm.map(|mm| mm as f32);
                 material.globe.pupil_center_mm = Vec2::new(nasal * nasally, up);
             }
         }
@@ -93,7 +93,7 @@ pub fn cloud_lenses(
 
 /// Poses lids, lashes and tears, where lids or gaze changed.
 pub fn move_lids(
-    eyes: Query<(&Eye, &Gaze, &Lids, &EyeOf)>,
+    eyes: Query<(&Eye, &Gaze, &Effective<Lids>, &EyeOf)>,
     people: Query<&Eyelids>,
     mut models: Query<(&mut EyeParts, &Visibility)>,
     mut assets: EyeAssets,
@@ -113,7 +113,7 @@ pub fn move_lids(
         }
         let mirror = side(eye.laterality);
         let pose = LidPose {
-            aperture: (lids.aperture * own.opening) as f32,
+            aperture: (lids.aperture * own.0.opening) as f32,
             gaze_azimuth_rad: mirror * gaze.azimuth_rad as f32,
             gaze_elevation_rad: gaze.elevation_rad as f32,
             squint: 0.0,

@@ -65,15 +65,18 @@ pub(super) fn skin_image(seed: u64) -> Image {
     }
     image
 }
-/// Where light of every obliquity enters this cornea and how strongly it arrives at its iris.
-pub(super) fn light_image(cornea: &Cornea, iris: &Iris) -> Image {
-    let settings = LightTableSettings {
+/// What the light table of this cornea and iris is made of.
+pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
+    LightTableSettings {
         surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
         index: cornea.aqueous_index,
         iris_z: iris.depth_mm,
         root_mm: iris.root_radius_mm,
         limbus_mm: cornea.limbus_radius_mm,
-    };
+    }
+}
+/// Where light of every obliquity enters this cornea and how strongly it arrives at its iris.
+pub(super) fn light_image(settings: &LightTableSettings) -> Image {
     map_image(&[settings.table(LightTableSize::PICTURE)], false)
 }
 pub(super) fn sclera_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {

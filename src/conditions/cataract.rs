@@ -190,7 +190,9 @@ impl Condition for Cataract {
     fn caption(&self) -> String {
         let [nuclear, cortical, subcapsular] = self.grades();
         if let Some(log_s) = self.log_s {
-            return format!("Cataract, straylight of {log_s:.2} log s.");
+            return format!(
+                "Cataract of a straylight of {log_s:.2} log s, as far as LOCS III goes and the eye has not more without it."
+            );
         }
         let parts: Vec<String> = [
             ("nuclear", nuclear),

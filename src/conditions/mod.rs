@@ -1,8 +1,9 @@
 //! Conditions: what an eye may have, each in one file, written as anatomy.
 //!
 //! Enters: a condition's component, on an eye or on a person (then both eyes have it). Leaves: the
-//! components that every eye has, healthy or not ([`VisualField`], [`OcularMedia`], [`Refraction`],
-//! [`Iris`], [`Lids`]); whoever draws or sees reads those and knows no condition by name.
+//! components that every eye has, healthy or not: [`VisualField`], [`OcularMedia`], and [`crate::anatomy::Effective`] of its
+//! own [`Refraction`], [`Iris`] and [`Lids`]. Whoever draws or sees reads those and knows no condition by
+//! name.
 //!
 //! A new condition is a file with a type that is a [`Condition`], and a line in the list below. One of
 //! another crate is added by [`AddCondition::add_condition`].
@@ -15,7 +16,7 @@ mod write;
 pub use cataract::Cataract;
 pub use glaucoma::{Glaucoma, GlaucomaStage};
 pub use ptosis::Ptosis;
-pub use write::{AddCondition, Unaffected};
+pub use write::AddCondition;
 
 use crate::anatomy::{Iris, Lids, OcularMedia, Refraction, VisualField};
 use bevy::ecs::component::Mutable;

@@ -1,46 +1,13 @@
 //! Conditions into anatomy, where either has changed.
 
 use super::{Affected, Condition};
-use crate::anatomy::{Eye, EyeOf, Eyes, Iris, Lids, OcularMedia, Patient, Refraction, VisualField};
+use crate::anatomy::{
+    Effective, Eye, EyeOf, Eyes, Iris, Lids, OcularMedia, Patient, Refraction, VisualField,
+};
 use crate::frame::EyeSystems;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use core::any::TypeId;
-
-/// What an eye would have without the conditions that have changed it. Whoever writes the component
-/// itself, a patient file or a slider, writes this: the conditions then change it again.
-#[derive(Component, Clone, Debug, PartialEq)]
-pub struct Unaffected<C: Component> {
-    own: C,
-    written: C,
-}
-
-impl<C: Component + Clone + PartialEq> Unaffected<C> {
-    /// What an eye that has `now` would have without its conditions.
-    pub fn of(now: &C, unaffected: Option<&Self>) -> C {
-        match unaffected {
-            Some(known) if known.written == *now => known.own.clone(),
-            _ => now.clone(),
-        }
-    }
-
-    fn read(eye: EntityRef) -> Option<C> {
-        Some(Self::of(eye.get::<C>()?, eye.get::<Self>()))
-    }
-
-    /// Gives an eye what its conditions have made of its own.
-    fn write(eye: &mut EntityWorldMut, own: C, written: C) {
-        if own == written {
-            eye.remove::<Self>();
-        } else {
-            eye.insert(Self {
-                own,
-                written: written.clone(),
-            });
-        }
-        put(eye, written);
-    }
-}
 
 /// Gives an entity a component, which is news only where it differs from the one that is there.
 fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
@@ -147,26 +114,23 @@ fn write_eye(world: &mut World, entity: Entity, writers: &[(TypeId, Writer)]) ->
     let eye = world.get_entity(entity).ok()?;
     let owner = world.get_entity(eye.get::<EyeOf>()?.0).ok()?;
     let age_years = owner.get::<Patient>()?.age_years;
-    let own = Affected {
+    let iris = eye.get::<Iris>()?;
+    let mut affected = Affected {
         field: VisualField::normal(eye.get::<Eye>()?.laterality, age_years),
-        media: OcularMedia::healthy(
-            age_years,
-            Unaffected::<Iris>::read(eye)?.color.glare_pigment(),
-        ),
-        refraction: Unaffected::read(eye)?,
-        iris: Unaffected::read(eye)?,
-        lids: Unaffected::read(eye)?,
+        media: OcularMedia::healthy(age_years, iris.color.glare_pigment()),
+        refraction: *eye.get::<Refraction>()?,
+        iris: iris.clone(),
+        lids: *eye.get::<Lids>()?,
     };
-    let mut affected = own.clone();
     for (_, writer) in writers {
         writer(eye, owner, &mut affected);
     }
     let mut eye = world.entity_mut(entity);
     put(&mut eye, affected.field);
     put(&mut eye, affected.media);
-    Unaffected::write(&mut eye, own.refraction, affected.refraction);
-    Unaffected::write(&mut eye, own.iris, affected.iris);
-    Unaffected::write(&mut eye, own.lids, affected.lids);
+    put(&mut eye, Effective(affected.refraction));
+    put(&mut eye, Effective(affected.iris));
+    put(&mut eye, Effective(affected.lids));
     Some(())
 }
 

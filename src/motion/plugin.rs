@@ -6,7 +6,7 @@ use super::settings::{MotionError, OculomotorSettings, PupilMode};
 use super::trace::TraceRow;
 use crate::anatomy::gaze::GazeAngles;
 use crate::anatomy::{
-    Accommodation, Adaptation, Cornea, Eye, EyeFinder, EyeOf, Eyelids, Eyes, Gaze, Iris,
+    Accommodation, Adaptation, Cornea, Effective, Eye, EyeFinder, EyeOf, Eyelids, Eyes, Gaze, Iris,
     Laterality, Lens, Patient, Pupil, PupilControl, Refraction, VisualField,
 };
 use crate::frame::{EyeSystems, SimulationClock};
@@ -185,7 +185,11 @@ fn give_controllers(
 }
 
 /// What of a leading eye its engine works with.
-type LeadingEye<'a> = (&'a Lens, &'a Refraction, Option<Ref<'a, VisualField>>);
+type LeadingEye<'a> = (
+    &'a Lens,
+    &'a Effective<Refraction>,
+    Option<Ref<'a, VisualField>>,
+);
 
 /// The engine's settings with what a person's components say.
 fn settings_of(
@@ -262,7 +266,7 @@ fn decide(
         let controller = &mut *controller;
         let fresh = std::mem::take(&mut controller.fresh);
         let now = controller.engine.settings();
-        let wanted = settings_of(now, &patient, control, adaptation, lens, refraction);
+        let wanted = settings_of(now, &patient, control, adaptation, lens, &refraction.0);
         if fresh || wanted != *now {
             let why = controller.engine.set_settings(wanted).err();
             let why = why.map(|error| error.to_string());
@@ -309,7 +313,7 @@ type Moving<'a> = (
     &'a Eye,
     &'a EyeOf,
     &'a Cornea,
-    &'a Iris,
+    &'a Effective<Iris>,
     &'a mut Gaze,
     &'a mut Pupil,
     &'a mut Accommodation,
@@ -339,7 +343,7 @@ fn move_eyes(
         gaze.set_if_neq(gaze_of(state, eye.laterality, patient));
         // Both pupils are driven alike; the hole is what the cornea magnifies to this diameter.
         pupil.set_if_neq(Pupil {
-            diameter_mm: state.pupil_mm / cornea.pupil_magnification(iris.depth_mm),
+            diameter_mm: state.pupil_mm / cornea.pupil_magnification(iris.0.depth_mm),
         });
         accommodation.set_if_neq(Accommodation {
             response_d: state.accommodation_d,

@@ -9,7 +9,6 @@ use crate::anatomy::{
     Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, Patient, PupilControl, Refraction,
     Sclera, Skin,
 };
-use crate::conditions::Unaffected;
 use crate::percept::SharpnessField;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::system::SystemParam;
@@ -198,17 +197,14 @@ type PersonParts = (
     ConditionParts<'static>,
 );
 
-/// What an eye has, and what it would have without its conditions.
-type Own<C> = (&'static C, Option<&'static Unaffected<C>>);
-
 type EyeParts = (
     &'static Eye,
     &'static Cornea,
-    Own<Iris>,
+    &'static Iris,
     &'static Lens,
-    Own<Refraction>,
+    &'static Refraction,
     &'static Sclera,
-    Own<Lids>,
+    &'static Lids,
     ConditionParts<'static>,
 );
 
@@ -260,8 +256,6 @@ fn with_eye(
     shared: &PatientFile,
     (eye, cornea, iris, lens, refraction, sclera, lids, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
 ) -> PatientFile {
-    let iris = Unaffected::of(iris.0, iris.1);
-    let refraction = Unaffected::of(refraction.0, refraction.1);
     let mut file = PatientFile {
         iris_color: iris.color,
         sphere_d: refraction.sphere_d,
@@ -277,7 +271,7 @@ fn with_eye(
         scleral_radius_mm: eye.scleral_radius_mm,
         lipid_thickness_nm: cornea.lipid_thickness_nm,
         redness: sclera.redness,
-        lid_opening: Unaffected::of(lids.0, lids.1).opening,
+        lid_opening: lids.opening,
         stroma_melanin_fraction: iris.stroma_melanin_fraction,
         border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
         eumelanin_ratio: iris.eumelanin_ratio,

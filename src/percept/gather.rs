@@ -140,15 +140,24 @@ pub fn spread_level(sigma_px: f64, taps: u32) -> f64 {
     (spacing.max(1.0).log2() + 0.6).floor().max(0.0)
 }
 
-/// Fraction of the light that the lids let through at height `v` of the view (0 top, 1 bottom) for
-/// an aperture of 0 (closed, dark everywhere) to 1 (open, clear everywhere).
-pub fn eyelid_transmission(v: f64, aperture: f64) -> f64 {
-    let a = aperture.clamp(0.0, 1.0);
-    let upper = 0.7 + (-0.2 - 0.7) * a;
-    let lower = 0.8 + (1.2 - 0.8) * a;
-    smoothstep(upper - 0.2, upper + 0.2, v)
-        * (1.0 - smoothstep(lower - 0.2, lower + 0.2, v))
-        * smoothstep(0.0, 0.1, a)
+/// How far the anterior edge of a lid's margin stands before the posterior one, mm.
+const LID_MARGIN_MM: f64 = 2.0;
+
+/// Share of a disc of radius 1 that lies below a line at this height.
+pub fn disc_below(height: f64) -> f64 {
+    let u = height.clamp(-1.0, 1.0);
+    0.5 + (u.asin() + u * (1.0 - u * u).sqrt()) / std::f64::consts::PI
+}
+
+/// Share of the light of a direction that passes between the lids to a pupil of this radius (mm): the
+/// direction rises by `slope`; `upper` and `lower` are the posterior edges of the margins, mm up and
+/// ahead of the pupil's middle ([`crate::appearance::lid_edges`]).
+pub fn eyelid_transmission(slope: f64, upper: [f64; 2], lower: [f64; 2], pupil_mm: f64) -> f64 {
+    let r = pupil_mm.max(0.05);
+    let thick = LID_MARGIN_MM * slope;
+    let above = (upper[0] - upper[1] * slope - thick.max(0.0)) / r;
+    let below = (lower[0] - lower[1] * slope - thick.min(0.0)) / r;
+    (disc_below(above) - disc_below(below)).max(0.0)
 }
 
 /// 0 where a tap lies at the pixel's vergence (D) or behind it, 1 where it is clearly nearer.

@@ -23,7 +23,7 @@ pub const FORGET: u32 = u32::MAX;
 /// Largest workgroup count along one axis that every WebGPU device takes.
 const MAX_GROUPS: u32 = 65_535;
 
-/// The uniform of every pass of the view, 208 bytes.
+/// The uniform of every pass of the view, 224 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct PerceptUniform {
@@ -83,8 +83,14 @@ pub struct PerceptUniform {
     pub marker: [f32; 2],
     /// Radius of the marker's ring, target pixels; 0 draws none.
     pub marker_radius_px: f32,
-    /// Lid aperture, 0 closed to 1 open.
-    pub lid_aperture: f32,
+    /// Edge of the upper lid above the middle of the entrance pupil, mm.
+    pub upper_lid_mm: f32,
+    /// And before it, mm.
+    pub upper_lid_ahead_mm: f32,
+    /// Edge of the lower lid above the middle of the entrance pupil, mm: below 0 where it is open.
+    pub lower_lid_mm: f32,
+    /// And before it, mm.
+    pub lower_lid_ahead_mm: f32,
     /// Most taps a gather may take, ≥ 20 (48 is the quality limit, 20 the fast one).
     pub max_taps: u32,
     /// Corners that the candidate buffer holds.
@@ -105,9 +111,11 @@ pub struct PerceptUniform {
     pub table_slots_old: u32,
     /// 1 where the picture holds a display's colours already, as a photograph does: no shoulder.
     pub display_referred: u32,
+    /// Fills the shader's struct.
+    pub unused: f32,
 }
 
-const _: () = assert!(size_of::<PerceptUniform>() == 208);
+const _: () = assert!(size_of::<PerceptUniform>() == 224);
 
 impl Default for PerceptUniform {
     /// A healthy eye looking straight ahead at infinity, 320 × 320 over 60°.
@@ -143,7 +151,10 @@ impl Default for PerceptUniform {
             target_size: [320.0; 2],
             marker: [0.0; 2],
             marker_radius_px: 0.0,
-            lid_aperture: 1.0,
+            upper_lid_mm: 4.6,
+            upper_lid_ahead_mm: 1.7,
+            lower_lid_mm: -5.0,
+            lower_lid_ahead_mm: 1.8,
             max_taps: 48,
             candidate_capacity: CANDIDATE_CAPACITY,
             eccentricity_penalty: 0.0,
@@ -154,6 +165,7 @@ impl Default for PerceptUniform {
             luma_exposure: 1.0,
             table_slots_old: 0,
             display_referred: 0,
+            unused: 0.0,
         }
     }
 }
@@ -277,7 +289,10 @@ mod tests {
             target_size,
             marker,
             marker_radius_px,
-            lid_aperture,
+            upper_lid_mm,
+            upper_lid_ahead_mm,
+            lower_lid_mm,
+            lower_lid_ahead_mm,
             max_taps,
             candidate_capacity,
             eccentricity_penalty,
@@ -288,8 +303,9 @@ mod tests {
             luma_exposure,
             table_slots_old,
             display_referred,
+            unused,
         );
-        assert_eq!(members.len(), 39);
+        assert_eq!(members.len(), 43);
     }
 
     #[test]

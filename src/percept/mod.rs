@@ -43,6 +43,8 @@ pub struct PerceptPlugin;
 
 impl Plugin for PerceptPlugin {
     fn build(&self, app: &mut App) {
+        // Whoever has eyes remembers what they saw.
+        app.register_required_components::<crate::anatomy::Patient, SharpnessField>();
         app.init_resource::<SceneChanges>()
             .register_type::<SeesAs>()
             .register_type::<ViewOptions>()

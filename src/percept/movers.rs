@@ -3,7 +3,8 @@
 //! Enters: places of meshes, and their boxes. Leaves: those that have moved, for the pass that finds each
 //! pixel's voxel. What was seen of such a thing is kept in the frame in which it stood before it ever
 //! moved, under its own name: its sharpness rides with it, and where it stood nothing is left for what
-//! comes there next. A point belongs to the smallest box that it lies in; a bent skin is its box.
+//! comes there next. A point belongs to the smallest box that it lies in. What bends a mesh within its
+//! place, joints and morphs, moves nothing here: what is seen of it stays where it was seen.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::{DAffine3, DVec3};
@@ -14,6 +15,8 @@ use std::sync::Arc;
 
 /// Things that are kept track of; of more, those that moved last.
 const MOST: usize = 32;
+/// Frames after which what has stood still makes room for what moves.
+const STILL_FRAMES: u64 = 60;
 /// What a box is wider than its mesh, m: depth is not exact, and a sheet has no thickness.
 const MARGIN_M: f64 = 0.003;
 
@@ -117,10 +120,13 @@ impl Movers {
         else {
             return;
         };
-        if self.list.len() == MOST
-            && let Some(oldest) = (0..MOST).min_by_key(|&k| self.list[k].moved_at)
-        {
-            self.list.swap_remove(oldest);
+        if self.list.len() == MOST {
+            // Where more move at once, those that came first stay.
+            let oldest = (0..MOST).min_by_key(|&k| self.list[k].moved_at);
+            match oldest.filter(|&k| self.list[k].moved_at + STILL_FRAMES < frame) {
+                Some(oldest) => drop(self.list.swap_remove(oldest)),
+                None => return,
+            }
         }
         self.named += 1;
         self.list.push(Mover {
@@ -257,38 +263,43 @@ mod tests {
     }
 
     #[test]
-    fn of_many_those_are_kept_that_moved_last_the_smallest_first() {
+    fn of_many_those_are_kept_that_move_the_smallest_first() {
         let mut movers = Movers::default();
         let mut world = World::new();
         let things: Vec<Entity> = (0..40).map(|_| world.spawn_empty().id()).collect();
-        for step in 0..2_u8 {
+        let step = |movers: &mut Movers, things: &[Entity], x: f32| {
             movers.begin();
             for (k, thing) in things.iter().enumerate() {
                 let half = Vec3::splat(1.0 + k as f32 % 7.0);
-                let place = Transform::from_xyz(f32::from(step), 0.0, k as f32);
-                movers.begin();
+                let place = Transform::from_xyz(x, 0.0, k as f32);
                 movers.place(*thing, &place.into(), Some((Vec3::ZERO, half)), None);
             }
+        };
+        let names = |movers: &Movers| {
+            let found = movers.seen_by(None, Vec3::ZERO, |_| false).here;
+            assert!(found.is_sorted_by(|a, b| a.half_size[0] <= b.half_size[0]));
+            let mut names: Vec<u32> = found.iter().map(MoverData::name).collect();
+            names.sort_unstable();
+            names
+        };
+        // All of them move for a while: the first of them keep their names.
+        for x in 0..9 {
+            step(&mut movers, &things, x as f32);
         }
-        let found = movers.seen_by(None, Vec3::ZERO, |_| false).here;
+        assert_eq!(names(&movers), (1..=32).collect::<Vec<u32>>());
+        // A second later only the last ones do: they take the places of what stands still.
+        for x in 0..70 {
+            step(&mut movers, &things[32..], 100.0 + x as f32);
+        }
+        let found = names(&movers);
         assert_eq!(found.len(), MOST);
-        assert!(found.iter().all(|mover| mover.name > 8));
-        assert!(found.is_sorted_by(|a, b| a.half_size[0] <= b.half_size[0]));
+        assert_eq!(found[24..], (33..=40).collect::<Vec<u32>>());
         // Flat or without end, it is left alone and nothing breaks.
         for scale in [Vec3::new(0.0, 1.0, 1.0), Vec3::splat(f32::NAN)] {
             let place = Transform::from_scale(scale);
-            movers.place(
-                things[0],
-                &place.into(),
-                Some((Vec3::ZERO, Vec3::ONE)),
-                None,
-            );
-            movers.place(
-                things[39],
-                &place.into(),
-                Some((Vec3::ZERO, Vec3::ONE)),
-                None,
-            );
+            for thing in &things {
+                movers.place(*thing, &place.into(), Some((Vec3::ZERO, Vec3::ONE)), None);
+            }
         }
         let found = movers.seen_by(None, Vec3::ZERO, |_| false).here;
         assert!(

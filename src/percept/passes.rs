@@ -107,6 +107,12 @@ fn prepare(
         if !frame.visible {
             continue;
         }
+        if frame.capture.is_none() {
+            // Who stands still needs one.
+            if let Some(view) = gpu.views.get_mut(&entity) {
+                view.spare = None;
+            }
+        }
         gpu.sampler.get_or_insert_with(|| view_sampler(&device));
         let view = gpu
             .views
@@ -333,7 +339,10 @@ fn capture(
     data.slot_mask = table.slots - 1;
     data.rebase_steps = FORGET;
     data.table_slots_old = old.as_ref().map_or(0, |old| old.slots);
-    let view = View::new(recorder.device, data);
+    let view = match gpu.spare.take() {
+        Some(spare) if spare.size == size => View { data, ..spare },
+        _ => View::new(recorder.device, data),
+    };
     let uniform = &view.uniform;
     queue.write_buffer(uniform, 0, bytemuck::bytes_of(&data));
 
@@ -443,7 +452,7 @@ fn capture(
     }
     gpu.occupied = gpu.occupied.saturating_add(size.x * size.y);
     gpu.captured = request.serial;
-    gpu.view = Some(view);
+    gpu.spare = gpu.view.replace(view);
     frame.returned.note_recorded(request.serial);
     recorder.ledger.view_captures(1);
     recorder.ledger.feature_passes(1);

@@ -46,6 +46,8 @@ pub(super) struct ViewGpu {
     pub(super) feature_counters: Buffer,
     pub(super) candidates: Buffer,
     pub(super) view: Option<View>,
+    /// The view before it, of the same size, to be captured into next: whoever walks needs both in turn.
+    pub(super) spare: Option<View>,
     pub(super) table: Option<Table>,
     pub(super) field: Option<(Arc<Vec<f32>>, TextureView)>,
     /// Is the picture drawn in this frame, how large is the target's image and of what format, and how
@@ -80,6 +82,7 @@ impl ViewGpu {
                 STORAGE,
             ),
             view: None,
+            spare: None,
             table: None,
             field: None,
             present: false,

@@ -39,6 +39,7 @@ pub struct Worn {
     msaa: Option<Msaa>,
     tonemapping: Option<Tonemapping>,
     was_active: bool,
+    depth_usages: TextureUsages,
     /// Who hands the picture on to a window, or to a part of a target, and that picture.
     presenter: Option<(Entity, Handle<Image>)>,
     /// What Bevy draws the scene into for us; none before its size is known.
@@ -124,6 +125,7 @@ pub(super) fn put_on(
             msaa: msaa.copied(),
             tonemapping: tonemapping.copied(),
             was_active: std::mem::replace(&mut camera.is_active, false),
+            depth_usages: usages,
             presenter: None,
             picture: None,
             size: UVec2::ZERO,
@@ -209,12 +211,19 @@ pub(super) fn follow_changes(
     }
 }
 
+/// The parts of a camera that is given back.
+type Worner<'a> = (
+    Entity,
+    &'a Worn,
+    &'a mut Camera,
+    &'a mut Camera3d,
+    &'a mut RenderTarget,
+);
+
 /// Gives cameras that no longer see as somebody does back to Bevy.
-pub(super) fn take_off(
-    mut cameras: Query<(Entity, &Worn, &mut Camera, &mut RenderTarget), Without<SeesAs>>,
-    mut commands: Commands,
-) {
-    for (entity, worn, mut camera, mut target) in &mut cameras {
+pub(super) fn take_off(mut cameras: Query<Worner, Without<SeesAs>>, mut commands: Commands) {
+    for (entity, worn, mut camera, mut camera_3d, mut target) in &mut cameras {
+        camera_3d.depth_texture_usages = worn.depth_usages.into();
         *target = worn.target.clone();
         camera.viewport = worn.viewport.clone();
         camera.is_active = worn.was_active;

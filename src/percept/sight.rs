@@ -237,7 +237,9 @@ fn modified<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<Asse
     events
         .read()
         .filter_map(|event| match event {
-            AssetEvent::Modified { id } | AssetEvent::LoadedWithDependencies { id } => Some(*id),
+            AssetEvent::Added { id }
+            | AssetEvent::Modified { id }
+            | AssetEvent::LoadedWithDependencies { id } => Some(*id),
             _ => None,
         })
         .collect()

@@ -12,9 +12,10 @@ use super::places::{candidates_of, direction_of, distance_m, from_the_other_eye}
 use super::sees_as::{SeesAs, Worn};
 use super::sight::{CameraLook, Look, SceneChanges};
 use crate::anatomy::{
-    Accommodation, Cornea, EyeFinder, Eyelids, Gaze, Iris, Lids, OcularMedia, Patient, Pupil,
-    Refraction, VisualField,
+    Accommodation, Cornea, Effective, Eye, EyeFinder, Eyelids, Gaze, Iris, Lids, OcularMedia,
+    Patient, Pupil, Refraction, VisualField,
 };
+use crate::appearance::lid_edges::lid_edges;
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::{Candidates, GazeController};
@@ -28,6 +29,7 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Near plane of a view's camera, m: a page held before the eye is still drawn.
 pub const NEAR_M: f32 = 0.02;
@@ -92,6 +94,15 @@ enum Stage {
     Done,
 }
 
+/// What a capture was asked to do, beside making the view static.
+#[derive(Clone, Debug, Default)]
+struct Asked {
+    /// Forget everything that was remembered?
+    forget: bool,
+    /// What has moved.
+    moved: Moved,
+}
+
 /// A photograph as it was laid out for a view.
 #[derive(Debug)]
 struct LaidOut {
@@ -116,6 +127,8 @@ struct Sight {
 /// The state of the view of one camera.
 #[derive(Component, Debug)]
 pub struct Percept {
+    /// Which view this is, in the order in which they were made.
+    born: u64,
     stage: Stage,
     serial: u64,
     size: UVec2,
@@ -133,7 +146,9 @@ pub struct Percept {
     is_outdated: bool,
     /// The voxels of the memory are divided otherwise than those of the next capture.
     forget_voxels: bool,
-    /// What has moved in it, by name, as it is to be captured next, and of which it keeps something.
+    /// What was asked for last.
+    asked: Asked,
+    /// What has moved in it as it is to be captured next, and by name that of which it keeps something.
     moved: Moved,
     known_movers: HashSet<u32>,
     /// Who knows where she may look in it.
@@ -159,7 +174,9 @@ pub struct Percept {
 
 impl Default for Percept {
     fn default() -> Self {
+        static BORN: AtomicU64 = AtomicU64::new(0);
         Self {
+            born: BORN.fetch_add(1, Ordering::Relaxed),
             stage: Stage::Wanted,
             serial: 0,
             size: UVec2::ZERO,
@@ -172,6 +189,7 @@ impl Default for Percept {
             lifetime: 0,
             is_outdated: false,
             forget_voxels: false,
+            asked: Asked::default(),
             moved: Moved::default(),
             known_movers: HashSet::default(),
             told: None,
@@ -233,9 +251,19 @@ impl Percept {
         (azimuth, elevation, distance_m(vergence))
     }
 
+    /// Asks for a capture of the view as it is now. What changes before it is recorded asks for another:
+    /// the device may have been given this one already.
     fn ask(&mut self) {
         self.stage = Stage::Asked;
         self.serial += 1;
+        self.is_outdated = false;
+        self.asked = Asked {
+            forget: self.is_new || self.forget_voxels,
+            moved: self.moved.clone(),
+        };
+        self.forget_voxels = false;
+        // From now on the memory keeps something of each of these under its name, and of no other.
+        self.known_movers = self.moved.here.iter().map(MoverData::name).collect();
         self.is_unread = false;
         self.waited = 0;
         self.captured_half = self.sight.half;
@@ -264,7 +292,6 @@ impl Percept {
 
 /// What comes back to a view, and to whom it is told.
 type Receiving<'a> = (
-    Entity,
     &'a SeesAs,
     &'a Worn,
     &'a ViewOptions,
@@ -282,19 +309,21 @@ pub(super) fn receive(
     mut clock: ResMut<SimulationClock>,
     mut commands: Commands,
 ) {
-    // Who is seen through by several cameras chooses by the first that was made.
-    let mut first: HashMap<Entity, Entity> = HashMap::default();
-    for (camera, sees, _, options, _, panel) in &views {
+    // Who is seen through by several cameras chooses by the first that was made, of those that have seen.
+    let mut first: HashMap<Entity, (bool, u64)> = HashMap::default();
+    for (sees, _, options, percept, panel) in &views {
         if let Some((_, patient)) = finder.find(sees.0)
             && is_shown(options, panel)
         {
-            let chosen = first.entry(patient).or_insert(camera);
-            *chosen = (*chosen).min(camera);
+            let own = (percept.is_new, percept.born);
+            let chosen = first.entry(patient).or_insert(own);
+            *chosen = (*chosen).min(own);
         }
     }
     let (mut is_waiting, mut can_see) = (false, false);
-    for (camera, sees, worn, options, mut percept, panel) in &mut views {
+    for (sees, worn, options, mut percept, panel) in &mut views {
         let mut is_news = false;
+        let own = (percept.is_new, percept.born);
         if let Some(result) = percept.returned.take()
             && result.serial > percept.captured.serial
             && percept.stage != Stage::Wanted
@@ -315,7 +344,7 @@ pub(super) fn receive(
         // A camera that sees as another now has news for her.
         if let Some((eye, patient)) = found
             && (is_news || (percept.told != Some(patient) && !percept.is_new))
-            && first.get(&patient) == Some(&camera)
+            && first.get(&patient) == Some(&own)
             && let Ok((controller, person, candidates)) = people.get_mut(patient)
         {
             percept.told = Some(patient);
@@ -418,16 +447,10 @@ pub(super) fn drive_captures(
                 let sight = sight_of(percept, transform, &projection);
                 let is_photo = percept.photo.is_some();
                 let taken_with = (options.threshold, options.exposure, memory.voxel_m);
-                if percept.stage != Stage::Wanted && percept.is_recorded() {
-                    percept.forget_voxels = false;
-                    let names = percept.moved.here.iter().map(MoverData::name);
-                    percept.known_movers.extend(names);
-                }
                 // Voxels of another size are another memory.
                 percept.forget_voxels |= percept.taken_with.2 != taken_with.2;
-                let mut has_changed = is_resized
-                    || std::mem::take(&mut percept.is_outdated)
-                    || taken_with != percept.taken_with;
+                let mut has_changed =
+                    is_resized || percept.is_outdated || taken_with != percept.taken_with;
                 if !is_photo {
                     has_changed |= sight != percept.sight
                         || changes.touch(layers)
@@ -436,6 +459,8 @@ pub(super) fn drive_captures(
                 }
                 percept.sight = sight;
                 percept.taken_with = taken_with;
+                // Until it has been asked for.
+                percept.is_outdated = has_changed;
                 if percept.is_new && percept.stage == Stage::Wanted {
                     percept.origin = percept.sight.pose.translation.into();
                 }
@@ -576,13 +601,14 @@ fn picture_image(size: UVec2) -> Image {
 
 /// What of an eye decides what it sees.
 type SeeingEye<'a> = (
+    &'a Eye,
     &'a Gaze,
     &'a Pupil,
     &'a Accommodation,
-    &'a Refraction,
+    &'a Effective<Refraction>,
     &'a Cornea,
-    &'a Iris,
-    &'a Lids,
+    &'a Effective<Iris>,
+    &'a Effective<Lids>,
     Option<Ref<'a, VisualField>>,
     Option<&'a OcularMedia>,
 );
@@ -625,6 +651,11 @@ pub(super) fn perceive(
         }
         let visible = is_shown(options, panel) && worn.size() != UVec2::ZERO;
         let Some((eye, person)) = found else {
+            if finder.find(sees.0).is_some() {
+                warn_once!(
+                    "somebody is seen through who is not whole: an eye needs a Cornea and an Iris, as a patient file gives them"
+                );
+            }
             // Who sees again sees anew.
             percept.begin_scene();
             *frame = PerceptFrame {
@@ -657,7 +688,7 @@ fn frame_of(
     percept: &mut Percept,
     shows: &Shows,
     options: &ViewOptions,
-    (gaze, pupil, accommodation, refraction, cornea, iris, own_lids, field, media): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (eye, gaze, pupil, accommodation, refraction, cornea, iris, own_lids, field, media): <SeeingEye<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
     (lids, memory, controller): <Seer<'_> as bevy::ecs::query::QueryData>::Item<'_, '_>,
     target: &Handle<Image>,
 ) -> PerceptFrame {
@@ -685,11 +716,15 @@ fn frame_of(
     uniform.target_size = shows.size.as_vec2().to_array();
     uniform.fixation = gaze.direction().as_vec3().to_array();
     uniform.focus_vergence_d = accommodation.response_d as f32;
-    uniform.refraction_d = refraction.spherical_equivalent_d() as f32;
-    let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.depth_mm);
+    uniform.refraction_d = refraction.0.spherical_equivalent_d() as f32;
+    let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.0.depth_mm);
     uniform.pupil_m = (entrance_mm * 1e-3) as f32;
-    let aperture = lids.aperture * own_lids.opening;
-    uniform.lid_aperture = aperture as f32;
+    let aperture = lids.aperture * own_lids.0.opening;
+    let edges = lid_edges(eye, cornea, iris.0.depth_mm, gaze, aperture);
+    uniform.upper_lid_mm = edges.upper.height_mm as f32;
+    uniform.upper_lid_ahead_mm = edges.upper.ahead_mm as f32;
+    uniform.lower_lid_mm = edges.lower.height_mm as f32;
+    uniform.lower_lid_ahead_mm = edges.lower.ahead_mm as f32;
     uniform.epoch = u32::from(memory.clock().epoch());
     uniform.starve_steps = memory.clock().starve_steps();
     uniform.rebase_steps = memory.rebase_steps();
@@ -721,8 +756,8 @@ fn frame_of(
             },
             None => CaptureSource::Scene,
         },
-        forget: percept.is_new || percept.forget_voxels,
-        moved: percept.moved.clone(),
+        forget: percept.asked.forget,
+        moved: percept.asked.moved.clone(),
     });
     if !shows.quiet {
         // A pass whose pipeline is not built yet is skipped, so what was asked for may not be shown.

@@ -473,11 +473,25 @@ fn eyelid_view() {
     pass(&Twin {
         name: "eyelid_transmission",
         library: &["eyelid_view"],
-        call: "y[0] = eyelid_transmission(x[0], x[1]);",
-        draw: &|rng| vec![between(rng, 0.0, 1.0), between(rng, -0.1, 1.1)],
-        exact: &|x| vec![gather::eyelid_transmission(x[0], x[1])],
-        // Slopes of smoothstep: 1.5 over 0.4 and over 0.1 times roundings of 1.
-        absolute: 3e-6,
+        call: "y[0] = eyelid_transmission(x[0], vec2f(x[1], x[2]), vec2f(x[3], x[4]), x[5]); y[1] = disc_below(x[1]);",
+        draw: &|rng| {
+            vec![
+                between(rng, -1.0, 1.0),
+                between(rng, -4.0, 5.0),
+                between(rng, 1.0, 4.0),
+                between(rng, -6.0, -3.0),
+                between(rng, 1.0, 4.0),
+                between(rng, 0.5, 4.5),
+            ]
+        },
+        exact: &|x| {
+            vec![
+                gather::eyelid_transmission(x[0], [x[1], x[2]], [x[3], x[4]], x[5]),
+                gather::disc_below(x[1]),
+            ]
+        },
+        // WGSL allows an arc sine 2^-11 and more; twice one over π.
+        absolute: 5e-4,
         relative: 0.0,
         steep_share: 0.0,
     });

@@ -111,23 +111,28 @@ fn taps_keep_their_budget() {
 }
 
 #[test]
-fn lids_are_clear_when_open_dark_when_closed_and_come_down() {
-    let mut last = f64::INFINITY;
-    for i in 0..=20 {
-        let aperture = 1.0 - f64::from(i) / 20.0;
-        let mean: f64 = (0..100)
-            .map(|k| eyelid_transmission((f64::from(k) + 0.5) / 100.0, aperture))
-            .sum();
-        assert!(mean < last || mean == 0.0 || (mean - last).abs() < 1e-12);
-        last = mean;
+fn a_lid_takes_of_a_direction_what_it_covers_of_the_pupil() {
+    let open = |slope: f64| eyelid_transmission(slope, [4.6, 1.7], [-5.0, 1.8], 1.75);
+    // Nothing within 25° of straight ahead, and all of it far up, where the margin stands in the way.
+    for slope in [-0.46, 0.0, 0.46] {
+        assert_eq!(open(slope), 1.0, "{slope}");
     }
-    for k in 0..=10 {
-        let v = f64::from(k) / 10.0;
-        assert!((eyelid_transmission(v, 1.0) - 1.0).abs() < 1e-12);
-        assert_eq!(eyelid_transmission(v, 0.0), 0.0);
-        assert_eq!(eyelid_transmission(v, f64::NEG_INFINITY), 0.0);
-    }
-    assert!(eyelid_transmission(0.1, 0.5) < 0.1 && eyelid_transmission(0.6, 0.5) > 0.8);
+    assert!(open(2.0) < 1e-12 && open(0.9) < 1.0);
+    // An edge before the middle of the pupil leaves half of what is straight ahead, less above.
+    let half = |slope: f64| eyelid_transmission(slope, [0.0, 3.0], [-5.0, 1.8], 1.75);
+    assert!((half(0.0) - 0.5).abs() < 1e-12);
+    // 3 mm ahead at a slope of 0.35 are 1.05 mm, 0.6 of the pupil's radius; upwards the thick margin adds
+    // 0.7 mm, and the whole radius is covered.
+    assert!(half(0.35) < 1e-12 && (half(-0.35) - 0.857_6).abs() < 1e-3);
+    // Closed is dark, whatever the numbers.
+    assert_eq!(eyelid_transmission(0.1, [-1.0, 3.0], [-1.0, 3.0], 2.0), 0.0);
+    assert_eq!(eyelid_transmission(0.1, [-2.0, 3.0], [-1.0, 3.0], 2.0), 0.0);
+    assert_eq!(
+        (disc_below(-9.0), disc_below(0.0), disc_below(9.0)),
+        (0.0, 0.5, 1.0)
+    );
+    // 0.5 + (asin 0.5 + 0.5 √0.75)/π.
+    assert!((disc_below(0.5) - 0.804_498_890_52).abs() < 1e-9);
 }
 
 #[test]

@@ -147,8 +147,13 @@ fn condition<C: Condition>(
     };
     for control in C::controls() {
         let (low, high) = control.range;
-        // What is given in place of others is set in files and links.
+        // What may stand in place of others, until somebody sets it.
         let Some(mut value) = (control.get)(own) else {
+            let asked = ui.button(format!("set {}", control.name.replace('_', " ")));
+            if asked.on_hover_text(control.meaning).clicked() {
+                (control.set)(own, 0.5 * (low + high));
+                settled = true;
+            }
             continue;
         };
         let slider = egui::Slider::new(&mut value, low..=high).max_decimals(1);
