@@ -24,6 +24,7 @@ use crate::anatomy::{
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
 use crate::optics::globe::GlobeShape;
+use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::system::SystemParam;
@@ -331,6 +332,8 @@ impl Builder<'_, '_, '_, '_> {
             Mesh3d(mesh),
             material,
             NoFrustumCulling,
+            // What its mesh fills at any time, mm.
+            Aabb::from_min_max(Vec3::new(-45.0, -40.0, -35.0), Vec3::new(45.0, 40.0, 15.0)),
             Transform::from_scale(Vec3::splat(METRES_A_MM)),
             self.layers.clone(),
         ));

@@ -92,6 +92,14 @@ impl Movers {
         self.frame += 1;
     }
 
+    /// Is it where it was, turned at most?
+    pub(super) fn only_turns(&self, entity: Entity, place: &GlobalTransform) -> bool {
+        let now = affine(place).translation;
+        self.places
+            .get(&entity)
+            .is_some_and(|before| before.translation == now)
+    }
+
     /// Takes in where a mesh is, and middle and half size of its box in its own frame, if that is known
     /// yet.
     pub(super) fn place(
@@ -236,6 +244,8 @@ mod tests {
         let moved = movers.seen_by(None, origin, |_| false);
         let found = moved.here;
         assert_eq!((found.len(), found[0].name, found[0].is_new), (1, 1, 1));
+        assert!(movers.only_turns(entity, &now.with_rotation(Quat::IDENTITY).into()));
+        assert!(!movers.only_turns(entity, &rest.into()));
         let corner = Vec3::new(0.5, -0.2, 0.1);
         let point = now.transform_point(corner) - origin;
         // Single precision of metres.

@@ -149,8 +149,8 @@ type Drawn<'a> = (
     Option<&'a RenderLayers>,
 );
 
-/// A mesh that may be somewhere else. The parts of an eye turn on the spot, and bend.
-type Movable = (With<Mesh3d>, Without<EyePart>, Changed<GlobalTransform>);
+/// A mesh that may be somewhere else.
+type Movable = (With<Mesh3d>, Changed<GlobalTransform>);
 
 /// Where it is.
 type Placed<'a> = (
@@ -158,6 +158,7 @@ type Placed<'a> = (
     &'a GlobalTransform,
     Option<&'a Aabb>,
     Option<&'a RenderLayers>,
+    Has<EyePart>,
 );
 
 /// Notices what has changed since the last frame.
@@ -183,7 +184,11 @@ pub(super) fn notice(
     let changes = &mut *changes;
     changes.touched = None;
     changes.movers.begin();
-    for (entity, place, shape, layers) in &placed {
+    for (entity, place, shape, layers, is_part) in &placed {
+        // An eye turns on the spot all the time, and is nowhere else for that.
+        if is_part && changes.movers.only_turns(entity, place) {
+            continue;
+        }
         let shape = shape.map(|shape| (shape.center.into(), shape.half_extents.into()));
         changes.movers.place(entity, place, shape, layers);
     }
