@@ -36,6 +36,8 @@ struct Globe {
     // What a cloud at the capsule sends back.
     capsule: vec3<f32>,
     relief: f32,
+    // What makes its clouds those of this eye, rad.
+    lens_turn: f32,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
@@ -68,7 +70,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
 #ifdef CLOUDED
-    lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy);
+    lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, trace.direction.xy / max(trace.direction.z, 0.2), globe.lens_turn);
 #endif
     let inside = iris_and_pupil(pupil_radiance(globe.studio, lens, shade), lit, edge, place.uv.y);
     return inside * trace.transmittance;

@@ -138,6 +138,8 @@ pub struct GlobeUniform {
     pub capsule: Vec3,
     /// How much of the iris's relief shows.
     pub relief: f32,
+    /// What makes the clouds of a lens those of this eye, rad.
+    pub lens_turn: f32,
 }
 
 /// Which part of the globe a material draws: the part is a pipeline of its own, because a sclera
@@ -440,7 +442,8 @@ mod tests {
             nucleus = Vec3::splat(9.0),
             capsule_radius_mm = 9.0,
             capsule = Vec3::splat(9.0),
-            relief = 9.0
+            relief = 9.0,
+            lens_turn = 9.0
         );
         same!(
             SkinUniform,

@@ -129,6 +129,7 @@ pub(super) fn static_uniform(
         sclera_radius_mm: eye.scleral_radius_mm as f32,
         lipid_nm: cornea.lipid_thickness_nm as f32,
         relief: 1.0,
+        lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
         // The lens is filled in by its media, the pupil's place by who moves it.
         ..GlobeUniform::default()
     }

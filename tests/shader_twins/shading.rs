@@ -3,7 +3,7 @@
 //! Each comparison is made twice: with the twin, which must agree, and with the twin asked for one
 //! input slightly off, which must not.
 
-use super::{between, unit, v3};
+use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
 use bevy::math::Vec3;
 use glam::{DVec3, DVec4};
@@ -521,8 +521,8 @@ fn clouded_lenses() {
             name: "lens_cloud",
             library: &["lens_shade"],
             call: &format!(
-                "let c = lens_cloud(vec3f(x[0], x[1], x[2]), vec3f(x[7], x[8], x[9]), x[4], x[3], vec2f(x[5], x[6])); {RGB_OUT} \
-                 y[3] = cortical_wedges(vec2f(x[5], x[6]), x[3]); y[4] = capsule_cloud(vec2f(x[5], x[6]), x[4]);"
+                "let c = lens_cloud(vec3f(x[0], x[1], x[2]), vec3f(x[7], x[8], x[9]), x[4], x[3], vec2f(x[5], x[6]), vec2f(x[10], x[11]), x[12]); {RGB_OUT} \
+                 y[3] = cortical_wedges(vec2f(x[5], x[6]), x[3], x[12]); y[4] = capsule_cloud(vec2f(x[5], x[6]), x[4]);"
             ),
             draw: &|rng| {
                 vec![
@@ -536,13 +536,24 @@ fn clouded_lenses() {
                     between(rng, 0.0, 0.1),
                     between(rng, 0.0, 0.1),
                     between(rng, 0.0, 0.1),
+                    between(rng, -0.7, 0.7),
+                    between(rng, -0.7, 0.7),
+                    between(rng, 0.0, 6.3),
                 ]
             },
             exact: &|x| {
                 let place = glam::DVec2::new(x[5], x[6]);
-                let color = lens_shade::lens_cloud(v3(x), v3(&x[7..]), x[4], x[3], place);
+                let color = lens_shade::lens_cloud(
+                    v3(x),
+                    v3(&x[7..]),
+                    x[4],
+                    x[3],
+                    place,
+                    v2(&x[10..]),
+                    x[12],
+                );
                 let mut out = rgb(color);
-                out.push(lens_shade::cortical_wedges(place, x[3]));
+                out.push(lens_shade::cortical_wedges(place, x[3], x[12]));
                 out.push(lens_shade::capsule_cloud(place, x[4]));
                 out
             },

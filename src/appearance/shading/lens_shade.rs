@@ -6,13 +6,21 @@ use glam::{DVec2, DVec3};
 
 const LENS_RADIUS_MM: f64 = 0.5 * LENS_DISC_MM;
 const NUCLEUS_RADIUS_MM: f64 = 2.75;
+/// Behind the plane of the iris, mm: clouded cortex, the middle of the nucleus, the posterior capsule.
+const CORTEX_DEPTH_MM: f64 = 0.6;
+const NUCLEUS_DEPTH_MM: f64 = 1.8;
+const CAPSULE_DEPTH_MM: f64 = 3.8;
 const CORTEX_COLOR: DVec3 = DVec3::new(0.13, 0.135, 0.14);
 
 /// Share of a place (mm from the lens's middle) that wedges of clouded cortex cover, which cover this
-/// share of the lens. They begin at its rim and point to its middle.
-pub fn cortical_wedges(place_mm: DVec2, share: f64) -> f64 {
+/// share of the lens. They begin at its rim and point to its middle, and `turn` (rad) makes them those of
+/// this eye.
+pub fn cortical_wedges(place_mm: DVec2, share: f64, turn: f64) -> f64 {
     let angle = place_mm.y.atan2(place_mm.x + 1e-9);
-    let depth = 0.5 + 0.3 * (9.0 * angle + 1.3).sin() + 0.2 * (17.0 * angle + 0.4).sin();
+    let depth = 0.5
+        + 0.2 * (7.0 * angle + turn).sin()
+        + 0.15 * (11.0 * angle + 2.3 * turn).sin()
+        + 0.15 * (17.0 * angle + 4.1 * turn).sin();
     let covered = (2.0 * share * depth).clamp(0.0, 1.0);
     let begins = LENS_RADIUS_MM * (1.0 - covered).sqrt();
     smoothstep(-0.25, 0.25, place_mm.length() - begins)
@@ -29,21 +37,27 @@ pub fn capsule_cloud(place_mm: DVec2, radius_mm: f64) -> f64 {
 
 /// What a clouded lens sends back of the irradiance / π on it, linear sRGB: `nucleus` that of the
 /// nucleus, `capsule` that of a cloud of this radius behind it, whose light has passed the nucleus;
-/// clouded cortex covers a share of the disc before both.
+/// clouded cortex covers a share of the disc before both. `place_mm` is where the view crosses the plane
+/// of the iris, `slope` how far aside it goes with each mm inwards; `turn` is of this eye.
 pub fn lens_cloud(
     nucleus: DVec3,
     capsule: DVec3,
     capsule_radius_mm: f64,
     cortical_share: f64,
     place_mm: DVec2,
+    slope: DVec2,
+    turn: f64,
 ) -> DVec3 {
-    let middle = 1.0 - smoothstep(0.7, 1.25, place_mm.length() / NUCLEUS_RADIUS_MM);
+    let off = (place_mm + slope * NUCLEUS_DEPTH_MM).length();
+    let middle = 1.0 - smoothstep(0.7, 1.25, off / NUCLEUS_RADIUS_MM);
     let mut color = nucleus * (0.25 + 0.75 * middle);
-    if capsule_radius_mm > 0.0 && place_mm.length() < LENS_RADIUS_MM {
-        color += capsule * capsule_cloud(place_mm, capsule_radius_mm);
+    let behind = place_mm + slope * CAPSULE_DEPTH_MM;
+    if capsule_radius_mm > 0.0 && behind.length() < LENS_RADIUS_MM {
+        color += capsule * capsule_cloud(behind, capsule_radius_mm);
     }
+    let before = place_mm + slope * CORTEX_DEPTH_MM;
     if cortical_share > 0.0 {
-        color = color.lerp(CORTEX_COLOR, cortical_wedges(place_mm, cortical_share));
+        color = color.lerp(CORTEX_COLOR, cortical_wedges(before, cortical_share, turn));
     }
     color
 }
@@ -60,7 +74,7 @@ mod tests {
                 for j in -75..=75 {
                     let place = DVec2::new(f64::from(i), f64::from(j)) * 0.05;
                     if place.length() < LENS_RADIUS_MM {
-                        covered += cortical_wedges(place, share);
+                        covered += cortical_wedges(place, share, 0.7);
                         all += 1.0;
                     }
                 }
@@ -72,7 +86,13 @@ mod tests {
                 covered / all
             );
         }
+        // Seen from aside what lies deep moves against the pupil: 3.8 mm at a slope of a half.
+        let cloud = |x: f64, slope: f64| {
+            let (place, slope) = (DVec2::new(x, 0.0), DVec2::new(slope, 0.0));
+            lens_cloud(DVec3::ZERO, DVec3::ONE, 1.0, 0.0, place, slope, 0.0).x
+        };
+        assert!((cloud(-1.9, 0.5) - cloud(0.0, 0.0)).abs() < 1e-12);
         // The axis is spared at first.
-        assert!(cortical_wedges(DVec2::ZERO, 0.3) < 0.01);
+        assert!(cortical_wedges(DVec2::ZERO, 0.3, 0.7) < 0.01);
     }
 }
