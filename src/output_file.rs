@@ -24,6 +24,12 @@ fn refused(path: &Path) -> impl Fn(io::Error) -> WriteError {
 
 /// Makes a folder that can be written to, before any work is spent on what goes into it.
 pub fn prepare_folder(folder: &Path) -> Result<(), WriteError> {
+    if fs::metadata(folder).is_ok_and(|found| !found.is_dir()) {
+        return Err(WriteError {
+            path: folder.display().to_string(),
+            reason: "it is a file, not a folder".into(),
+        });
+    }
     fs::create_dir_all(folder).map_err(refused(folder))?;
     let probe = folder.join(".ocularium-probe");
     fs::write(&probe, b"").map_err(refused(folder))?;
@@ -37,6 +43,8 @@ pub fn prepare_folder(folder: &Path) -> Result<(), WriteError> {
 pub struct FolderLock {
     path: PathBuf,
     _held: fs::File,
+    /// Was a run that wrote into it killed before it was done?
+    pub is_left: bool,
 }
 
 impl FolderLock {
@@ -46,15 +54,24 @@ impl FolderLock {
     /// Where another run writes into it, or nothing can be written.
     pub fn take(folder: &Path) -> Result<Self, WriteError> {
         let path = folder.join(".ocularium-lock");
+        let is_left = path.exists();
         let file = fs::File::create(&path).map_err(refused(&path))?;
         match file.try_lock() {
-            Ok(()) => Ok(Self { path, _held: file }),
+            Ok(()) => Ok(Self {
+                path,
+                _held: file,
+                is_left,
+            }),
             Err(fs::TryLockError::WouldBlock) => Err(WriteError {
                 path: folder.display().to_string(),
                 reason: "another run is writing into this folder; choose another with --out".into(),
             }),
             // A file system without locks is no reason not to write.
-            Err(fs::TryLockError::Error(_)) => Ok(Self { path, _held: file }),
+            Err(fs::TryLockError::Error(_)) => Ok(Self {
+                path,
+                _held: file,
+                is_left,
+            }),
         }
     }
 }
@@ -101,8 +118,12 @@ mod tests {
             .expect_err("taken")
             .to_string();
         assert!(error.contains("another run"), "{error}");
+        assert!(!lock.is_left);
         drop(lock);
         drop(FolderLock::take(folder.path()).expect("free again"));
+        // What a killed run leaves.
+        fs::write(folder.path().join(".ocularium-lock"), b"").expect("written");
+        assert!(FolderLock::take(folder.path()).expect("free").is_left);
         assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 0);
     }
 
@@ -115,5 +136,7 @@ mod tests {
             .expect_err("refused")
             .to_string();
         assert!(error.contains("file/out"), "{error}");
+        let error = prepare_folder(&file).expect_err("refused").to_string();
+        assert!(error.ends_with("it is a file, not a folder"), "{error}");
     }
 }

@@ -173,6 +173,15 @@ fn the_readme_knows_every_field_of_a_patient_file() {
     for (name, _) in CONDITIONS {
         row(name);
     }
+    // What no single eye may have is listed, and nothing else is.
+    let (_, alone) = readme
+        .split_once("The person alone has ")
+        .expect("the list");
+    let (alone, _) = alone.split_once(';').expect("its end");
+    for field in FIELDS {
+        let is_listed = alone.contains(&format!("`{}`", field.name));
+        assert_eq!(is_listed, !field.per_eye, "{}", field.name);
+    }
     for preset in PRESETS {
         assert!(
             readme.contains(&format!("`{}`", preset.name)),

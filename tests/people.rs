@@ -400,7 +400,7 @@ const CHANGES: &[Change] = &[
     (
         "Ptosis on half-open lids",
         |w, eye, _| {
-            w.entity_mut(eye).insert(Ptosis { mrd1_mm: 1.0 });
+            w.entity_mut(eye).insert(Ptosis { mrd1_mm: -1.0 });
         },
         [true, true],
     ),

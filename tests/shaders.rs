@@ -97,6 +97,11 @@ fn compose(text: &str, name: &str, set: &[&String]) -> Result<naga::Module, Stri
         .map(|define| ((*define).clone(), ShaderDefValue::Bool(true)))
         .collect();
     shader_defs.insert("MATERIAL_BIND_GROUP".into(), ShaderDefValue::UInt(3));
+    // The groups of what an eye has that a healthy one has not, as the passes count them.
+    let effects = ["FIELD_LOSS", "MEDIA"];
+    for (group, effect) in (1..).zip(effects.iter().filter(|e| set.iter().any(|d| d == *e))) {
+        shader_defs.insert(format!("{effect}_GROUP"), ShaderDefValue::UInt(group));
+    }
     let descriptor = NagaModuleDescriptor {
         source: text,
         file_path: name,
@@ -137,8 +142,8 @@ fn every_shader_is_valid_in_every_define_combination() {
             combinations += 1;
         }
     }
-    // Eight shaders; the field has one define of its own and the gather two.
-    assert!(combinations >= 12, "{combinations}");
+    // Sixteen shaders, of which two have a define of their own and the gather two.
+    assert!(combinations >= 16 + 2 + 3, "{combinations}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod window;
 
 use crate::anatomy::Laterality;
 use crate::appearance::EyeOrbit;
+use crate::input_file::one_clause;
 use crate::lab::measure::{MeasureTable, MeasuredEye, measure};
 use crate::lab::render::{PanelChoice, RenderReport, RenderRequest, layout, render};
 use crate::output_file::{WriteError, prepare_folder, write_whole};
@@ -21,11 +22,13 @@ use clap::builder::PossibleValue;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use image::DynamicImage;
 use placement::{SceneUnit, Span, parse_at, parse_length, parse_span, photo_options};
-use sentences::{complain, inform, one_line, say};
+use sentences::{complain, inform, one_line, say, unwritten};
 use std::error::Error;
+use std::fmt::Display;
 use std::io::{BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -83,6 +86,7 @@ struct Shown {
         long,
         default_value_t = 1,
         value_name = "N",
+        value_parser = parse_whole::<u64>,
         allow_hyphen_values = true
     )]
     seed: u64,
@@ -163,6 +167,7 @@ struct RenderArgs {
         long,
         default_value_t = 20,
         value_name = "T",
+        value_parser = parse_whole::<u8>,
         allow_hyphen_values = true
     )]
     threshold: u8,
@@ -174,7 +179,7 @@ struct FeatureArgs {
     /// Rec. 709 luma.
     image: PathBuf,
     /// Threshold, 0 to 255: a corner's ring differs by more than this.
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = parse_whole::<u8>, allow_hyphen_values = true)]
     threshold: u8,
     /// Keep corners whose neighbours are as strong or stronger.
     #[arg(long)]
@@ -225,6 +230,27 @@ fn parse_size(text: &str) -> Result<UVec2, String> {
             .ok_or_else(wrong)
     };
     Ok(UVec2::new(side(width)?, side(height)?))
+}
+
+/// A whole number of those that `N` has.
+fn parse_whole<N: FromStr + Bounded + Display>(text: &str) -> Result<N, String> {
+    text.trim()
+        .parse()
+        .map_err(|_| format!("{text:?} is not a whole number from 0 to {}", N::MOST))
+}
+
+/// Unsigned numbers.
+trait Bounded: Sized {
+    /// The largest.
+    const MOST: Self;
+}
+
+impl Bounded for u64 {
+    const MOST: Self = Self::MAX;
+}
+
+impl Bounded for u8 {
+    const MOST: Self = Self::MAX;
 }
 
 fn parse_range(text: &str, what: &str, low: f64, high: f64) -> Result<f64, String> {
@@ -320,18 +346,47 @@ fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
         }
         Some(Command::Check { file }) => {
             let patient = load_patient(&file)?;
-            say(
-                &mut std::io::stdout().lock(),
-                &one_line(&format!(
-                    "{} is sound: {}, {} years.",
-                    file.display(),
-                    patient.name,
-                    patient.age_years
-                )),
-            )?;
+            let mut out = std::io::stdout().lock();
+            for line in checked(&patient, &file.display().to_string()) {
+                say(&mut out, &one_line(&line))?;
+            }
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What there is to say of a sound patient file: who it is, what either eye has, and what comes otherwise
+/// than written.
+fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
+    let leading = match patient.eye {
+        Laterality::OD => "right",
+        Laterality::OS => "left",
+    };
+    let mut lines = vec![format!(
+        "{file} is sound: {}, {} years; the {leading} eye leads.",
+        one_clause(&patient.name),
+        patient.age_years
+    )];
+    for (name, eye) in [("right", Laterality::OD), ("left", Laterality::OS)] {
+        let own = patient.of_eye(eye);
+        let mut parts = vec![format!(
+            "{} D sphere, {} D cylinder",
+            own.sphere_d, own.cylinder_d
+        )];
+        parts.extend(
+            own.condition_captions()
+                .into_iter()
+                .map(|(_, caption)| caption.trim_end_matches('.').to_owned()),
+        );
+        lines.push(format!("{name} eye: {}.", parts.join("; ")));
+    }
+    lines.extend(
+        patient
+            .remarks()
+            .into_iter()
+            .map(|remark| format!("{remark}.")),
+    );
+    lines
 }
 
 fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
@@ -352,6 +407,9 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
             shown.scene
         )
         .into());
+    }
+    for remark in patient.remarks() {
+        complain(&format!("{}: {remark}", shown.patient.display()));
     }
     let scene = source.load(&options, shown.scene_unit.map(SceneUnit::metres))?;
     for remark in scene.remarks() {
@@ -551,6 +609,7 @@ fn features(arguments: &FeatureArgs) -> Result<(), Box<dyn Error>> {
     }
     match out.flush() {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        other => Ok(other?),
+        Err(error) => Err(unwritten(&error).into()),
+        Ok(()) => Ok(()),
     }
 }

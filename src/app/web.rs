@@ -18,7 +18,7 @@ pub fn run() {
         Ok(session) => {
             let mut app = windowed::windowed_app(session, start);
             app.world_mut().resource_mut::<UiState>().message =
-                (!refused.is_empty()).then(|| refused.join(" "));
+                (!refused.is_empty()).then(|| refused.join("\n"));
             app.add_systems(Last, tell_page);
             app.run();
         }

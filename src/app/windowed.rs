@@ -117,11 +117,18 @@ pub fn run(
     }
     // Bevy leaves signals alone where Ctrl-C is ignored, as scripts have it for what they start beside them;
     // SIGTERM would then end the program at once. Where no handler can be set the window has none.
-    let _ = ctrlc::set_handler(bevy::app::TerminalCtrlCHandlerPlugin::gracefully_exit);
+    let asked = std::sync::atomic::AtomicBool::new(false);
+    let _ = ctrlc::set_handler(move || {
+        if asked.swap(true, std::sync::atomic::Ordering::Relaxed) {
+            // Whoever asks twice does not want to wait for a frame.
+            crate::lab::bench::leave(i32::from(INTERRUPTED));
+        }
+        bevy::app::TerminalCtrlCHandlerPlugin::gracefully_exit();
+    });
     let mut app = windowed_app(session, start);
     app.insert_resource(own);
     if !said.is_empty() {
-        app.world_mut().resource_mut::<UiState>().message = Some(said.join(" "));
+        app.world_mut().resource_mut::<UiState>().message = Some(said.join("\n"));
     }
     let exit = app.run();
     match (lost::take(), exit) {

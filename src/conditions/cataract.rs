@@ -41,8 +41,9 @@ pub struct Cataract {
     /// Posterior subcapsular opacity, LOCS III, 0 to 5.9.
     pub subcapsular: f64,
     /// Straylight of the whole eye as a straylight meter finds it, log s, 0.5 to 2.5. Where it is given the
-    /// grades only say in which proportion the three places are clouded (the nucleus alone, where all
-    /// are 0): they become those that give this eye this straylight, as far as LOCS III goes.
+    /// eye has it, and the grades only say in which proportion the three places are clouded (the
+    /// nucleus alone, where all are 0): they become those that give this eye this straylight, or the
+    /// highest. An eye that has more without a cataract has a clear lens.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log_s: Option<f64>,
 }
@@ -89,12 +90,21 @@ impl Cataract {
         }
     }
 
+    /// What a measured straylight leaves to the cataract of an eye that has `healthy` without it, deg² sr⁻¹
+    /// at 7°; `None` where none was measured.
+    fn measured(&self, healthy: f64) -> Option<f64> {
+        let log_s = self.log_s.filter(|log_s| log_s.is_finite())?;
+        Some((10f64.powf(log_s) - healthy).max(0.0))
+    }
+
     /// The same by its grades, for an eye that has this straylight (deg² sr⁻¹ at 7°) without it.
     fn graded(&self, healthy: f64) -> Self {
-        let Some(log_s) = self.log_s.filter(|log_s| log_s.is_finite()) else {
+        let Some(wanted) = self.measured(healthy) else {
             return *self;
         };
-        let wanted = 10f64.powf(log_s) - healthy;
+        if wanted == 0.0 {
+            return Self::default();
+        }
         let mix = match self.grades() {
             [0.0, 0.0, 0.0] => [1.0, 0.0, 0.0],
             grades => grades,
@@ -111,9 +121,6 @@ impl Cataract {
             .filter(|grade| *grade > 0.0)
             .fold(f64::INFINITY, f64::min);
         let most = HIGHEST[0] / least;
-        if wanted <= 0.0 {
-            return Self::default();
-        }
         let off = |scale: f64| scaled(scale).straylight() - wanted;
         if off(most) <= 0.0 {
             return scaled(most);
@@ -161,7 +168,7 @@ impl Condition for Cataract {
             Control {
                 name: "log_s",
                 range: (0.5, 2.5),
-                meaning: "straylight of the eye, in place of grades (log s)",
+                meaning: "straylight of the whole eye (log s); the grades then only say where it is clouded",
                 get: |own| own.log_s,
                 set: |own, value| own.log_s = Some(value),
             },
@@ -174,7 +181,9 @@ impl Condition for Cataract {
         let [nuclear, cortical, subcapsular] = graded.grades();
         affected.refraction.sphere_d += SHIFT_D * (nuclear - SHORT_SIGHTED_FROM).max(0.0);
         let media = &mut affected.media;
-        media.straylight += graded.straylight();
+        media.straylight += self
+            .measured(healthy)
+            .unwrap_or_else(|| graded.straylight());
         media.nuclear_density += 0.10 * (nuclear - YELLOW_FROM).max(0.0).powf(1.5);
         if nuclear > 0.0 {
             // Over what a clear nucleus, grade 1, sends back.
@@ -187,12 +196,18 @@ impl Condition for Cataract {
         media.subcapsular_mm = media.subcapsular_mm.max(cloud_mm);
     }
 
+    fn remark(&self, without: &Affected) -> Option<String> {
+        let own = without.media.log_straylight();
+        let log_s = self.log_s.filter(|log_s| *log_s < own)?;
+        Some(format!(
+            "a straylight of {log_s:.2} log s is less than the eye has without a cataract ({own:.2}), so its lens is clear"
+        ))
+    }
+
     fn caption(&self) -> String {
         let [nuclear, cortical, subcapsular] = self.grades();
         if let Some(log_s) = self.log_s {
-            return format!(
-                "Cataract of a straylight of {log_s:.2} log s, as far as LOCS III goes and the eye has not more without it."
-            );
+            return format!("Cataract with a straylight of {log_s:.2} log s.");
         }
         let parts: Vec<String> = [
             ("nuclear", nuclear),
@@ -253,14 +268,22 @@ mod tests {
                 ..Cataract::default()
             },
         ] {
-            for log_s in [1.2, 1.5, 1.7] {
+            for log_s in [1.2, 1.5, 1.7, 2.2] {
                 let found = media(mix.with_log_s(log_s)).log_straylight();
                 assert!((found - log_s).abs() < 1e-6, "{mix:?}: {found} for {log_s}");
             }
-            // Less than the eye has without it, and more than there are grades for.
+            // Less than the eye has without it, which is said, and more than there are grades for.
             assert!(media(mix.with_log_s(0.5)).is_clear());
             let most = media(mix.with_log_s(2.5));
-            assert!(most.log_straylight() > 1.6 && most.log_straylight() < 2.5);
+            assert!((most.log_straylight() - 2.5).abs() < 1e-6);
+            let healthy = Affected::healthy(Laterality::OD, 70.0);
+            let remark = mix.with_log_s(0.5).remark(&healthy).expect("said");
+            assert!(
+                remark.contains("0.50") && remark.contains("clear"),
+                "{remark}"
+            );
+            assert_eq!(mix.with_log_s(2.5).remark(&healthy), None);
+            assert_eq!(mix.remark(&healthy), None);
             assert!(media(mix.with_log_s(f64::NAN)).straylight.is_finite());
         }
     }

@@ -29,7 +29,7 @@ macro_rules! with_conditions {
         $callback! {
             conditions {
                 glaucoma: $crate::conditions::Glaucoma, "loss of nerve fibres and of the visual field: `Early`, `Moderate`, `Severe`, or `MeanDeviation(dB)`, 0 to -30";
-                cataract: $crate::conditions::Cataract, "clouding of the lens by its LOCS III grades: `(nuclear: 0 to 6.9, cortical: 0 to 5.9, subcapsular: 0 to 5.9)`, or by the eye's straylight: `(nuclear: 1, log_s: 0.5 to 2.5)`";
+                cataract: $crate::conditions::Cataract, "clouding of the lens by its LOCS III grades: `(nuclear: 0 to 6.9, cortical: 0 to 5.9, subcapsular: 0 to 5.9)`, or by the straylight of the whole eye, as in `(log_s: 1.4)`, 0.5 to 2.5, beside which grades only say in which proportion the three places are clouded";
                 ptosis: $crate::conditions::Ptosis, "an upper lid that hangs: `(mrd1_mm: -4 to 4.4)`, its margin above the corneal reflex";
             }
             $($rest)*
@@ -98,6 +98,13 @@ pub trait Condition: Component<Mutability = Mutable> + Clone + PartialEq {
 
     /// What it is like, in a sentence.
     fn caption(&self) -> String;
+
+    /// What should be known of it in an eye that is like `without` without it, as a clause: where a number
+    /// of it does not come to what it says.
+    fn remark(&self, without: &Affected) -> Option<String> {
+        let _ = without;
+        None
+    }
 }
 
 macro_rules! plugin {

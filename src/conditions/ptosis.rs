@@ -45,9 +45,8 @@ impl Condition for Ptosis {
 
     fn write(&self, affected: &mut Affected) {
         let drop_mm = (USUAL_MM - self.mrd1_mm).clamp(0.0, TRAVEL_MM);
-        if drop_mm > 0.0 {
-            affected.lids.opening *= 1.0 - drop_mm / TRAVEL_MM;
-        }
+        // Where the margin is, however wide the lids would open without it.
+        affected.lids.opening = affected.lids.opening.min(1.0 - drop_mm / TRAVEL_MM);
     }
 
     fn caption(&self) -> String {
@@ -61,7 +60,12 @@ mod tests {
     use crate::anatomy::Laterality;
 
     fn opening(mrd1_mm: f64) -> f64 {
+        opening_of(1.0, mrd1_mm)
+    }
+
+    fn opening_of(own: f64, mrd1_mm: f64) -> f64 {
         let mut affected = Affected::healthy(Laterality::OD, 60.0);
+        affected.lids.opening = own;
         Ptosis { mrd1_mm }.write(&mut affected);
         affected.lids.opening
     }
@@ -72,6 +76,9 @@ mod tests {
         // 2.4 of 8.44 mm lower.
         assert!((opening(2.0) - 0.716).abs() < 1e-3);
         assert!((opening(-4.0) - 0.0047).abs() < 1e-3);
+        // The margin is where it was measured, whatever the lids would do; unless they open less.
+        assert_eq!(opening_of(1.2, 2.0), opening(2.0));
+        assert_eq!((opening_of(1.2, 4.4), opening_of(0.3, 2.0)), (1.0, 0.3));
         assert_eq!(opening(f64::NAN), 1.0);
         assert_eq!(opening(f64::NEG_INFINITY), 0.0);
     }

@@ -91,12 +91,26 @@ pub const SKIN: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0
 pub const HAIR: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0003");
 /// The meniscus' shader.
 pub const MENISCUS: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0004");
-/// The view's shader that makes it static.
-pub const CAPTURE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0005");
-/// The feature detector.
+/// A camera's picture into the static view.
+pub const CAPTURE_SCENE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0005");
+/// A photograph into the static view.
+pub const CAPTURE_PHOTO: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000a");
+/// The static view's mips.
+pub const DOWNSAMPLE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000b");
+/// The corners.
 pub const FEATURES: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0006");
-/// The sharpness field.
-pub const FIELD: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0007");
+/// The voxel of every pixel.
+pub const ASSIGN_SLOTS: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0007");
+/// What is forgotten of what moved away.
+pub const FORGET_LEFT: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000c");
+/// A table of voxels into a larger one.
+pub const GROW_TABLE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000d");
+/// The keys of a table, set back.
+pub const REBASE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000e");
+/// The sharpness field's own step.
+pub const UPDATE_FIELD: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000f");
+/// The blur that is shown.
+pub const READ_BLUR: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0010");
 /// The veil of clouded media.
 pub const VEIL: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0009");
 /// The picture of the view.
@@ -104,7 +118,13 @@ pub const GATHER: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1
 
 const PERCEPT: &str = include_str!("../../shaders/view/percept_uniform.wgsl");
 const VISUAL_FIELD: &str = include_str!("../../shaders/view/visual_field.wgsl");
-const MEDIA: &str = include_str!("../../shaders/view/media.wgsl");
+const MEDIA: &str = include_str!("../../shaders/view/present/media.wgsl");
+const STATIC_VIEW: &str = include_str!("../../shaders/view/capture/static_view.wgsl");
+const VOXEL_TABLE: &str = include_str!("../../shaders/view/field/voxel_table.wgsl");
+const VOXEL_FIND: &str = include_str!("../../shaders/view/field/voxel_find.wgsl");
+const VOXEL_INSERT: &str = include_str!("../../shaders/view/field/voxel_insert.wgsl");
+const RAYS: &str = include_str!("../../shaders/view/field/rays.wgsl");
+const MOVERS: &str = include_str!("../../shaders/view/field/movers.wgsl");
 const COMMON: &str = include_str!("../../shaders/eye/common.wgsl");
 
 /// Every shader of the program.
@@ -168,37 +188,120 @@ pub const SOURCES: &[Source] = &[
         entry: &[COMMON, include_str!("../../shaders/eye/meniscus.wgsl")],
     },
     Source {
-        handle: CAPTURE,
-        name: "ocularium/capture.wgsl",
+        handle: CAPTURE_SCENE,
+        name: "ocularium/capture_scene.wgsl",
         library: &["retinal_blur", "output"],
-        entry: &[PERCEPT, include_str!("../../shaders/view/capture.wgsl")],
+        entry: &[
+            PERCEPT,
+            STATIC_VIEW,
+            include_str!("../../shaders/view/capture/capture_scene.wgsl"),
+        ],
+    },
+    Source {
+        handle: CAPTURE_PHOTO,
+        name: "ocularium/capture_photo.wgsl",
+        library: &["retinal_blur", "output"],
+        entry: &[
+            PERCEPT,
+            STATIC_VIEW,
+            include_str!("../../shaders/view/capture/capture_photo.wgsl"),
+        ],
+    },
+    Source {
+        handle: DOWNSAMPLE,
+        name: "ocularium/downsample.wgsl",
+        library: &[],
+        entry: &[include_str!("../../shaders/view/capture/downsample.wgsl")],
     },
     Source {
         handle: FEATURES,
         name: "ocularium/features.wgsl",
         library: &["fast_strength"],
-        entry: &[PERCEPT, include_str!("../../shaders/view/features.wgsl")],
+        entry: &[
+            PERCEPT,
+            include_str!("../../shaders/view/capture/features.wgsl"),
+        ],
     },
     Source {
-        handle: FIELD,
-        name: "ocularium/field_update.wgsl",
-        library: &[
-            "retinal_blur",
-            "defocus",
-            "sharpness_key",
-            "sharpness_voxel",
+        handle: ASSIGN_SLOTS,
+        name: "ocularium/assign_slots.wgsl",
+        library: &["retinal_blur", "sharpness_key", "sharpness_voxel"],
+        entry: &[
+            PERCEPT,
+            RAYS,
+            MOVERS,
+            VOXEL_TABLE,
+            VOXEL_FIND,
+            VOXEL_INSERT,
+            include_str!("../../shaders/view/field/assign_slots.wgsl"),
         ],
+    },
+    Source {
+        handle: FORGET_LEFT,
+        name: "ocularium/forget_left.wgsl",
+        library: &["retinal_blur", "sharpness_key", "sharpness_voxel"],
+        entry: &[
+            PERCEPT,
+            RAYS,
+            MOVERS,
+            VOXEL_TABLE,
+            VOXEL_FIND,
+            include_str!("../../shaders/view/field/forget_left.wgsl"),
+        ],
+    },
+    Source {
+        handle: GROW_TABLE,
+        name: "ocularium/grow_table.wgsl",
+        library: &[],
+        entry: &[
+            PERCEPT,
+            VOXEL_TABLE,
+            VOXEL_INSERT,
+            include_str!("../../shaders/view/field/grow_table.wgsl"),
+        ],
+    },
+    Source {
+        handle: REBASE,
+        name: "ocularium/rebase.wgsl",
+        library: &["sharpness_key"],
+        entry: &[
+            PERCEPT,
+            include_str!("../../shaders/view/field/rebase.wgsl"),
+        ],
+    },
+    Source {
+        handle: UPDATE_FIELD,
+        name: "ocularium/update_field.wgsl",
+        library: &["retinal_blur", "defocus", "sharpness_key"],
         entry: &[
             PERCEPT,
             VISUAL_FIELD,
-            include_str!("../../shaders/view/field_update.wgsl"),
+            RAYS,
+            VOXEL_TABLE,
+            include_str!("../../shaders/view/field/update_field.wgsl"),
+        ],
+    },
+    Source {
+        handle: READ_BLUR,
+        name: "ocularium/read_blur.wgsl",
+        library: &["retinal_blur", "sharpness_key"],
+        entry: &[
+            PERCEPT,
+            VISUAL_FIELD,
+            RAYS,
+            VOXEL_TABLE,
+            include_str!("../../shaders/view/present/read_blur.wgsl"),
         ],
     },
     Source {
         handle: VEIL,
         name: "ocularium/veil.wgsl",
         library: &["veil"],
-        entry: &[PERCEPT, MEDIA, include_str!("../../shaders/view/veil.wgsl")],
+        entry: &[
+            PERCEPT,
+            MEDIA,
+            include_str!("../../shaders/view/present/veil.wgsl"),
+        ],
     },
     Source {
         handle: GATHER,
@@ -208,7 +311,7 @@ pub const SOURCES: &[Source] = &[
             PERCEPT,
             VISUAL_FIELD,
             MEDIA,
-            include_str!("../../shaders/view/gather.wgsl"),
+            include_str!("../../shaders/view/present/gather.wgsl"),
         ],
     },
 ];

@@ -206,7 +206,12 @@ pub fn render(
     let ready_after_s = started.elapsed().as_secs_f64();
 
     let total = frame_count(request.seconds, request.fps);
-    let earlier = earlier_frames(&request.out);
+    // All that a killed run left are its own; of another the report counts them.
+    let earlier = if lock.is_left {
+        u64::MAX
+    } else {
+        earlier_frames(&request.out)
+    };
     let before = headless.work();
     let (mut rows, mut times_ms) = (Vec::new(), Vec::new());
     for frame in 0..total {
@@ -245,7 +250,10 @@ pub fn render(
     let (later, strange) = later_frames(&request.out, frames, earlier)?;
     if strange > 0 {
         remarks.push(format!(
-            "The folder holds {strange} more frames that no report counts; they are not of this run."
+            "{} holds {} that no report counts and that {} not of this run.",
+            request.out.display(),
+            more_frames(strange),
+            if strange == 1 { "is" } else { "are" }
         ));
     }
     // Whoever stops a run may want the longer one that was there before.
@@ -254,8 +262,10 @@ pub fn render(
     } else {
         if !later.is_empty() {
             remarks.push(format!(
-                "The folder holds {} more frames, of an earlier run: this one was stopped before it came to them.",
-                later.len()
+                "{} holds {} of an earlier run: this one was stopped before it came to {}.",
+                request.out.display(),
+                more_frames(later.len() as u64),
+                if later.len() == 1 { "it" } else { "them" }
             ));
         }
         0
@@ -306,6 +316,13 @@ fn refused(path: &Path, error: &std::io::Error) -> WriteError {
     WriteError {
         path: path.display().to_string(),
         reason: error.to_string(),
+    }
+}
+
+fn more_frames(count: u64) -> String {
+    match count {
+        1 => "1 more frame".into(),
+        many => format!("{many} more frames"),
     }
 }
 

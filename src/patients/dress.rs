@@ -6,9 +6,10 @@
 
 use super::file::{ConditionParts, PatientFile, PupilSetting};
 use crate::anatomy::{
-    Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, Patient, PupilControl, Refraction,
-    Sclera, Skin,
+    Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, OcularMedia, Patient, PupilControl,
+    Refraction, Sclera, Skin, VisualField,
 };
+use crate::conditions::Affected;
 use crate::percept::SharpnessField;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::system::SystemParam;
@@ -101,6 +102,29 @@ impl PatientFile {
                 opening: own.lid_opening,
             },
         )
+    }
+
+    /// What a reader should know of how it is shown, a sentence without full stop each.
+    pub fn remarks(&self) -> Vec<String> {
+        let [right, left] = Laterality::BOTH.map(|laterality| {
+            let (_, _, iris, _, refraction, _, lids) = self.eye_components(laterality);
+            self.of_eye(laterality).condition_remarks(Affected {
+                field: VisualField::normal(laterality, self.age_years),
+                media: OcularMedia::healthy(self.age_years, iris.color.glare_pigment()),
+                refraction,
+                iris,
+                lids,
+            })
+        });
+        if right == left {
+            return right;
+        }
+        let of = |eye: &'static str, remarks: Vec<String>| {
+            remarks
+                .into_iter()
+                .map(move |remark| format!("{eye}.{remark}"))
+        };
+        of("right", right).chain(of("left", left)).collect()
     }
 
     /// Makes an entity this person. Eyes that she has already become those of the file; conditions of
@@ -309,11 +333,9 @@ mod tests {
                 ..EyeFile::default()
             },
             left: EyeFile {
-                glaucoma: Some(crate::conditions::Glaucoma::from(
-                    crate::conditions::GlaucomaStage::Severe,
-                )),
-                cataract: Some(crate::conditions::Cataract::nuclear(3.0)),
-                eumelanin_ratio: Some(0.5),
+                glaucoma: Some(Some(crate::conditions::GlaucomaStage::Severe.into())),
+                cataract: Some(Some(crate::conditions::Cataract::nuclear(3.0))),
+                eumelanin_ratio: Some(Some(0.5)),
                 ..EyeFile::default()
             },
             ..PatientFile::default()

@@ -4,7 +4,7 @@
 //! otherwise), and [`FIELDS`], which checks, controls and the README's table are made from.
 
 use crate::anatomy::{IrisColor, Laterality};
-use crate::conditions::{Condition, with_conditions};
+use crate::conditions::{Affected, Condition, with_conditions};
 use bevy::ecs::component::Component;
 use bevy::ecs::world::EntityWorldMut;
 use serde::{Deserialize, Serialize};
@@ -49,11 +49,33 @@ pub struct Field {
     pub set: fn(&mut PatientFile, f64),
 }
 
+/// What may stand in `right` and `left`.
+const EYE_ALLOWED: &str = "round brackets with what this eye has otherwise, as in (sphere_d: -2.0)";
+
+/// What an eye has otherwise than its owner's file says, where that may also be nothing: absent is as both
+/// eyes are, `None` is nothing.
+mod own_or_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer, T: Serialize>(
+        own: &Option<Option<T>>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        own.as_ref().and_then(Option::as_ref).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>, T: Deserialize<'a>>(
+        deserializer: D,
+    ) -> Result<Option<Option<T>>, D::Error> {
+        Option::deserialize(deserializer).map(Some)
+    }
+}
+
 macro_rules! patient_file {
     (
         conditions { $($condition:ident : $condition_type:ty, $condition_meaning:literal;)+ }
-        texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr;)+ }
-        eye_choices { $($(#[$choice_doc:meta])* $choice:ident : $choice_type:ty = $choice_default:expr;)+ }
+        texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr, $text_allowed:literal;)+ }
+        eye_choices { $($(#[$choice_doc:meta])* $choice:ident : $choice_type:ty = $choice_default:expr, $choice_allowed:literal;)+ }
         numbers { $($number:ident = $number_default:literal, $number_low:literal to $number_high:literal, $number_unit:literal, $number_meaning:literal;)+ }
         eye_numbers { $($eye:ident = $eye_default:literal, $eye_low:literal to $eye_high:literal, $eye_unit:literal, $eye_meaning:literal;)+ }
         eye_options { $($option:ident, $option_low:literal to $option_high:literal, $option_unit:literal, $option_meaning:literal;)+ }
@@ -89,9 +111,11 @@ macro_rules! patient_file {
         #[serde(deny_unknown_fields, default)]
         pub struct EyeFile {
             $($(#[$choice_doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $choice: Option<$choice_type>,)+
-            $(#[doc = $condition_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $condition: Option<$condition_type>,)+
+            $(#[doc = concat!($condition_meaning, ". `Some(None)`: this eye has it not.")]
+            #[serde(skip_serializing_if = "Option::is_none", with = "own_or_none")] pub $condition: Option<Option<$condition_type>>,)+
             $(#[doc = $eye_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $eye: Option<f64>,)+
-            $(#[doc = $option_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $option: Option<f64>,)+
+            $(#[doc = concat!($option_meaning, ". `Some(None)`: worked out, for this eye.")]
+            #[serde(skip_serializing_if = "Option::is_none", with = "own_or_none")] pub $option: Option<Option<f64>>,)+
             $(#[doc = $pair_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $pair: Option<[f64; 2]>,)+
         }
 
@@ -120,14 +144,18 @@ macro_rules! patient_file {
                 $(if other.$choice != both.$choice { second.$choice = Some(other.$choice.clone()); })+
                 $(if other.$eye != both.$eye { second.$eye = Some(other.$eye); })+
                 $(if other.$pair != both.$pair { second.$pair = Some(other.$pair); })+
-                // An eye's part cannot say that it has not what both have.
+                // What only one eye has stands with that eye.
                 $(if other.$condition != both.$condition {
-                    second.$condition = other.$condition.clone();
-                    if second.$condition.is_none() { first.$condition = both.$condition.take(); }
+                    match &other.$condition {
+                        Some(_) => second.$condition = Some(other.$condition.clone()),
+                        None => first.$condition = Some(both.$condition.take()),
+                    }
                 })+
                 $(if other.$option != both.$option {
-                    second.$option = other.$option;
-                    if second.$option.is_none() { first.$option = both.$option.take(); }
+                    match other.$option {
+                        Some(_) => second.$option = Some(other.$option),
+                        None => first.$option = Some(both.$option.take()),
+                    }
                 })+
                 (both.right, both.left) = match both.eye {
                     Laterality::OD => (first, second),
@@ -166,9 +194,9 @@ macro_rules! patient_file {
                 };
                 let mut both = self.clone();
                 $(if let Some(value) = &own.$choice { both.$choice = value.clone(); })+
-                $(if own.$condition.is_some() { both.$condition = own.$condition.clone(); })+
+                $(if let Some(own) = &own.$condition { both.$condition = own.clone(); })+
                 $(if let Some(value) = own.$eye { both.$eye = value; })+
-                $(if own.$option.is_some() { both.$option = own.$option; })+
+                $(if let Some(own) = own.$option { both.$option = own; })+
                 $(if let Some(value) = own.$pair { both.$pair = value; })+
                 both.right = EyeFile::default();
                 both.left = EyeFile::default();
@@ -180,16 +208,49 @@ macro_rules! patient_file {
         pub const CONDITIONS: &[(&str, &str)] = &[$((stringify!($condition), $condition_meaning),)+];
 
         impl PatientFile {
-            /// Every number of its conditions: (field, value, range).
-            pub(super) fn condition_numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
-                let mut numbers = Vec::new();
+            /// The numbers of its conditions that are out of range: (condition, number, value, range).
+            pub(super) fn wrong_condition_number(&self) -> Option<(&'static str, &'static str, f64, (f64, f64))> {
                 $(if let Some(condition) = &self.$condition {
                     for control in <$condition_type as Condition>::controls() {
-                        let value = (control.get)(condition);
-                        numbers.extend(value.map(|value| (stringify!($condition), value, control.range)));
+                        let (low, high) = control.range;
+                        // A NaN is in no range.
+                        if let Some(value) = (control.get)(condition) && !(low..=high).contains(&value) {
+                            return Some((stringify!($condition), control.name, value, control.range));
+                        }
                     }
                 })+
-                numbers
+                None
+            }
+
+            /// A condition as the file gives it; empty where it does not.
+            pub(super) fn condition_notation(&self, name: &str) -> String {
+                match name {
+                    $(stringify!($condition) => self.$condition.as_ref().map_or_else(
+                        String::new,
+                        |condition| ron::to_string(condition).unwrap_or_default(),
+                    ),)+
+                    _ => String::new(),
+                }
+            }
+
+            /// What should be known of its conditions in an eye that is `healthy` without them, as clauses.
+            pub(super) fn condition_remarks(&self, mut healthy: Affected) -> Vec<String> {
+                let mut remarks = Vec::new();
+                $(if let Some(condition) = &self.$condition {
+                    let remark = condition.remark(&healthy);
+                    remarks.extend(remark.map(|remark| format!("{}: {remark}", stringify!($condition))));
+                    condition.write(&mut healthy);
+                })+
+                remarks
+            }
+
+            /// What its conditions are like, by name.
+            pub fn condition_captions(&self) -> Vec<(&'static str, String)> {
+                let mut captions = Vec::new();
+                $(if let Some(condition) = &self.$condition {
+                    captions.push((stringify!($condition), condition.caption()));
+                })+
+                captions
             }
 
             /// Gives an eye the conditions of a file whose eyes are alike, and takes the others from it.
@@ -214,6 +275,25 @@ macro_rules! patient_file {
 
         /// The conditions of an eye.
         pub(super) type ConditionParts<'a> = ($(Option<&'a $condition_type>,)+);
+
+        /// The ranges of a condition's numbers: (number, range).
+        pub(super) fn condition_ranges(condition: &str) -> Vec<(&'static str, (f64, f64))> {
+            match condition {
+                $(stringify!($condition) => <$condition_type as Condition>::controls()
+                    .iter()
+                    .map(|control| (control.name, control.range))
+                    .collect(),)+
+                _ => Vec::new(),
+            }
+        }
+
+        /// The fields that are no numbers, with what may stand there.
+        pub(super) const WORDS: &[(&str, &str)] = &[
+            $((stringify!($text), $text_allowed),)+
+            $((stringify!($choice), $choice_allowed),)+
+            ("right", EYE_ALLOWED),
+            ("left", EYE_ALLOWED),
+        ];
 
         /// Every number of a patient file.
         pub const FIELDS: &[Field] = &[
@@ -254,19 +334,19 @@ macro_rules! patient_file {
 with_conditions! { patient_file! {
     texts {
         /// Name shown to the user.
-        name: String = "Unnamed".into();
+        name: String = "Unnamed".into(), "text in quotation marks";
         /// One sentence about this patient.
-        description: String = String::new();
+        description: String = String::new(), "text in quotation marks";
         /// The eye that leads, and is shown where one is shown.
-        eye: Laterality = Laterality::OD;
+        eye: Laterality = Laterality::OD, "OD or OS";
         /// Seed of the irises' fibres and the scleras' vessels.
-        seed: u64 = 1;
+        seed: u64 = 1, "a whole number, 0 to 18446744073709551615";
         /// Pupils: `Auto` or `Fixed(mm)`, 1 to 9 mm.
-        pupil: PupilSetting = PupilSetting::Auto;
+        pupil: PupilSetting = PupilSetting::Auto, "Auto or Fixed(mm), 1 to 9";
     }
     eye_choices {
         /// Colour class of the iris; the three fractions override it.
-        iris_color: IrisColor = IrisColor::Brown;
+        iris_color: IrisColor = IrisColor::Brown, "Blue, Green or Brown";
     }
     numbers {
         age_years = 30.0, 1 to 110, "years", "age";

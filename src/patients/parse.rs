@@ -4,8 +4,9 @@
 //! [`FIELDS`] states, or one sentence that says which field is wrong, what it holds and what is
 //! allowed.
 
-use super::file::{FIELDS, PatientFile};
+use super::file::{CONDITIONS, FIELDS, Field, PatientFile, WORDS, condition_ranges};
 use crate::anatomy::Laterality;
+use crate::input_file::notation::{self, Fault, FaultKind, one_of};
 use crate::input_file::{one_clause, read_input_file};
 use crate::optics::globe::GlobeShape;
 use std::path::Path;
@@ -29,6 +30,22 @@ pub enum PatientError {
         /// What the system said.
         reason: String,
     },
+    /// A field holds a value of another kind than it may have.
+    #[error("{file}:{line}:{column}: {field} = {value} is not allowed; it must be {allowed}")]
+    Kind {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// The field, as in `left.cataract.nuclear`.
+        field: String,
+        /// What stands there.
+        value: String,
+        /// What may stand there.
+        allowed: String,
+    },
     /// The text is not a patient.
     #[error("{file}:{line}:{column}: {reason}")]
     Syntax {
@@ -42,7 +59,7 @@ pub enum PatientError {
         reason: String,
     },
     /// A field holds a value that no eye has.
-    #[error("{file}: {}{field} = {value} is out of range; allowed: {allowed}", of(*eye))]
+    #[error("{file}: {}{field}{} = {value} is out of range; allowed: {allowed}", of(*eye), number_of(part))]
     OutOfRange {
         /// The file.
         file: String,
@@ -50,11 +67,22 @@ pub enum PatientError {
         eye: Option<Laterality>,
         /// The field.
         field: &'static str,
+        /// The number of a condition, as in `nuclear`; empty for a field of its own.
+        part: &'static str,
         /// What it holds.
         value: String,
         /// What may stand there.
         allowed: String,
     },
+}
+
+/// The number of a condition, behind the condition's name.
+fn number_of(part: &str) -> String {
+    if part.is_empty() {
+        String::new()
+    } else {
+        format!(".{part}")
+    }
 }
 
 /// The part of a file that speaks of this eye.
@@ -73,6 +101,7 @@ impl PatientError {
             Self::OutOfRange {
                 file,
                 field,
+                part,
                 value,
                 allowed,
                 ..
@@ -80,6 +109,7 @@ impl PatientError {
                 file,
                 eye: own,
                 field,
+                part,
                 value,
                 allowed,
             },
@@ -114,25 +144,40 @@ impl PatientFile {
             let (low, high) = field.range;
             // A NaN is in no range.
             if !(low..=high).contains(&value) {
+                let [first, second] = pair_of(field.name);
+                let (value, allowed) = match (first, second) {
+                    (Some(first), Some(second)) => {
+                        let numbers =
+                            [first, second].map(|one| (one.get)(self).unwrap_or_default());
+                        (
+                            format!("({}, {})", numbers[0], numbers[1]),
+                            format!("each {low} to {high}"),
+                        )
+                    }
+                    _ => (format!("{value}"), format!("{low} to {high}")),
+                };
                 return Err(PatientError::OutOfRange {
                     file: file.into(),
                     eye: None,
                     field: field.name,
-                    value: format!("{value}"),
-                    allowed: format!("{low} to {high}"),
+                    part: "",
+                    value,
+                    allowed,
                 });
             }
         }
-        for (field, value, (low, high)) in self.condition_numbers() {
-            if !(low..=high).contains(&value) {
-                return Err(PatientError::OutOfRange {
-                    file: file.into(),
-                    eye: None,
-                    field,
-                    value: format!("{value}"),
-                    allowed: format!("{low} to {high}"),
-                });
-            }
+        if let Some((field, part, value, (low, high))) = self.wrong_condition_number() {
+            let written = self.condition_notation(field);
+            // One that is written as a word, such as MeanDeviation(-40), has no names of numbers.
+            let is_word = written.starts_with(char::is_alphabetic);
+            return Err(PatientError::OutOfRange {
+                file: file.into(),
+                eye: None,
+                field,
+                part: if is_word { "" } else { part },
+                value: if is_word { written } else { format!("{value}") },
+                allowed: format!("{low} to {high}"),
+            });
         }
         self.check_shape(file)?;
         self.check_globe(file)
@@ -153,6 +198,7 @@ impl PatientFile {
                     file: file.into(),
                     eye: None,
                     field,
+                    part: "",
                     value: format!("\"{}\"", one_clause(text)),
                     allowed: format!("text without control characters such as {found:?}"),
                 });
@@ -167,6 +213,7 @@ impl PatientFile {
             file: file.into(),
             eye: None,
             field: "cornea_radius_mm",
+            part: "",
             value,
             allowed,
         };
@@ -191,6 +238,7 @@ impl PatientFile {
                 file: file.into(),
                 eye: None,
                 field: "iris_depth_mm",
+                part: "",
                 value: format!("{}", self.iris_depth_mm),
                 allowed: format!("2.5 to {deepest:.2} for this globe"),
             });
@@ -220,6 +268,7 @@ impl PatientFile {
                     file: file.into(),
                     eye: None,
                     field,
+                    part: "",
                     value: format!("{p}"),
                     allowed: format!(
                         "0.2 to {largest:.3} for a radius of {radius} mm and a limbus of {} mm, \
@@ -242,59 +291,118 @@ pub fn parse_patient(text: &str, file: &str) -> Result<PatientFile, PatientError
 
 /// [`parse_patient`] without [`PatientFile::check`].
 pub(crate) fn parse_unchecked(text: &str, file: &str) -> Result<PatientFile, PatientError> {
-    // Some editors begin a file with this mark.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let options =
-        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    options
-        .from_str(text)
-        .map_err(|error| PatientError::Syntax {
+    if !text
+        .trim_start_matches('\u{feff}')
+        .trim_start()
+        .starts_with(['(', '/', '#'])
+    {
+        return Err(PatientError::Syntax {
             file: file.into(),
-            line: error.span.start.line,
-            column: error.span.start.col,
-            reason: if text.trim_start().starts_with('(')
-                && matches!(error.code, ron::error::Error::ExpectedStructLike)
-            {
-                "round brackets are expected here, as in (0.2, 0.0)".into()
-            } else {
-                sentence(&error.code)
-            },
-        })
+            line: 1,
+            column: 1,
+            reason:
+                "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)"
+                    .into(),
+        });
+    }
+    notation::read(text).map_err(|fault| of_fault(fault, file))
 }
 
-/// What RON found, in a user's words.
-fn sentence(code: &ron::error::Error) -> String {
-    use ron::error::Error;
-    match code {
-        Error::NoSuchStructField {
-            expected, found, ..
-        } => format!(
-            "unknown field \"{}\"; the fields of a patient are {}",
-            one_clause(found),
-            expected.join(", ")
-        ),
-        Error::NoSuchEnumVariant {
-            expected,
-            found,
-            outer,
-        } => format!(
-            "unknown {} \"{}\"; it may be {}",
-            outer.as_deref().unwrap_or("value"),
-            one_clause(found),
-            expected.join(", ")
-        ),
-        Error::SuggestRawIdentifier(found) | Error::InvalidIdentifier(found) => format!(
-            "a name is expected here, not {}; a pupil, say, is Auto or Fixed(4.5)",
-            one_clause(found)
-        ),
-        Error::ExpectedDifferentStructName { .. }
-        | Error::ExpectedStructLike
-        | Error::ExpectedNamedStructLike(_)
-        | Error::Eof => {
-            "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)"
-                .into()
+/// A fault of the notation, in a user's words.
+fn of_fault(fault: Fault, file: &str) -> PatientError {
+    let field = fault.field();
+    let (line, column) = (fault.line, fault.column);
+    let syntax = |reason: String| PatientError::Syntax {
+        file: file.into(),
+        line,
+        column,
+        reason,
+    };
+    let kind = |value: String, allowed: String| PatientError::Kind {
+        file: file.into(),
+        line,
+        column,
+        field: field.clone(),
+        value,
+        allowed,
+    };
+    // The field itself, whichever eye it is of.
+    let (eye, own) = match fault.path.split_first() {
+        Some((eye, own)) if eye == "right" || eye == "left" => (Some(&**eye), own),
+        _ => (None, &*fault.path),
+    };
+    let whose = match (eye, own) {
+        (None, []) => "a patient".to_owned(),
+        (Some(_), []) => "one eye".to_owned(),
+        _ => field.clone(),
+    };
+    match fault.kind {
+        FaultKind::Notation(clause) if field.is_empty() => syntax(clause),
+        FaultKind::Notation(clause) => syntax(format!("in {field}: {clause}")),
+        FaultKind::Twice { field } => syntax(format!("{field} of {whose} is given twice")),
+        FaultKind::Missing { field } => syntax(format!("{field} of {whose} is missing")),
+        FaultKind::UnknownField { found, known } => {
+            let is_shared = own.is_empty()
+                && (FIELDS.iter().any(|field| field.name == found)
+                    || WORDS.iter().any(|(name, _)| *name == found));
+            syntax(match eye {
+                Some(eye) if is_shared => format!(
+                    "{found} belongs to the person: it stands outside of {eye}, which may have {}",
+                    one_of(known)
+                ),
+                _ => format!(
+                    "unknown field {found:?}; the fields of {whose} are {}",
+                    known.join(", ")
+                ),
+            })
         }
-        other => format!("this is not a sound patient file: {}", one_clause(other)),
+        FaultKind::UnknownWord { found, known } => {
+            kind(found, allowed(own).unwrap_or_else(|| one_of(known)))
+        }
+        FaultKind::Value { found } => match allowed(if own.is_empty() { &fault.path } else { own })
+        {
+            Some(allowed) => kind(found, allowed),
+            None => syntax("this is not a sound patient file".into()),
+        },
+    }
+}
+
+/// A field's entries in the table: one, or the two of a pair.
+fn pair_of(name: &str) -> [Option<&'static Field>; 2] {
+    [0, 1].map(|index| {
+        FIELDS
+            .iter()
+            .find(|field| field.name == name && field.index == index)
+    })
+}
+
+/// What may stand in a field, by its path without the eye; `None` where there is no such field.
+fn allowed(path: &[String]) -> Option<String> {
+    let (name, inner) = path.split_first()?;
+    if let Some((_, meaning)) = CONDITIONS.iter().find(|(condition, _)| condition == name) {
+        let numbers = condition_ranges(name);
+        let of_number = match inner {
+            [] => None,
+            [number, ..] => numbers.iter().find(|(own, _)| own == number).or(
+                // The number of a word, such as MeanDeviation(-8).
+                numbers.first().filter(|_| numbers.len() == 1),
+            ),
+        };
+        return Some(match of_number {
+            Some((_, (low, high))) => format!("a number, {low} to {high}"),
+            None => (*meaning).to_owned(),
+        });
+    }
+    if let Some((_, allowed)) = WORDS.iter().find(|(word, _)| word == name) {
+        return Some((*allowed).to_owned());
+    }
+    match pair_of(name) {
+        [Some(one), None] => Some(format!("a number, {} to {}", one.range.0, one.range.1)),
+        [Some(one), Some(_)] => Some(format!(
+            "two numbers in round brackets, each {} to {}",
+            one.range.0, one.range.1
+        )),
+        _ => None,
     }
 }
 
@@ -375,7 +483,10 @@ mod tests {
         );
         assert!(said("(iris_color: Purple)").contains("Brown"));
         assert!(said("").contains("RON"));
-        assert!(said("(age_years: \"old\")").contains("p.ron:1:"));
+        assert_eq!(
+            said("(age_years: \"old\")"),
+            "p.ron:1:13: age_years = \"old\" is not allowed; it must be a number, 1 to 110"
+        );
         assert!(said("(cornea_p: 1.5, cornea_radius_mm: 6.0)").contains("limbus"));
     }
 
@@ -403,6 +514,105 @@ mod tests {
             error.contains("age_years") && error.contains("sphere_d"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_value_of_another_kind_is_told_what_may_stand_there() {
+        for (text, parts) in [
+            (
+                "(left: (redness: yes))",
+                &["left.redness = yes", "a number, 0 to 1"][..],
+            ),
+            (
+                "(pupil: 4.0)",
+                &["pupil = 4.0", "Auto or Fixed(mm), 1 to 9"],
+            ),
+            ("(pupil: Fixed(wide))", &["pupil.Fixed = wide", "1 to 9"]),
+            ("(eye: Right)", &["eye = Right", "OD or OS"]),
+            ("(seed: -1)", &["seed = -1", "whole number"]),
+            ("(seed: 1.5)", &["seed = 1.5", "whole number"]),
+            ("(name: Ann)", &["name = Ann", "quotation marks"]),
+            (
+                "(angle_alpha_deg: 5.0)",
+                &["angle_alpha_deg = 5.0", "each -15 to 15"],
+            ),
+            (
+                "(angle_alpha_deg: [5.0, 1.0])",
+                &["angle_alpha_deg", "round brackets"],
+            ),
+            (
+                "(angle_alpha_deg: (5.0, 1.0, 2.0))",
+                &["angle_alpha_deg", "two numbers"],
+            ),
+            (
+                "(angle_alpha_deg: (5.0, 20.0))",
+                &["angle_alpha_deg = (5, 20)", "each -15 to 15"],
+            ),
+            ("(glaucoma: Bad)", &["glaucoma = Bad", "MeanDeviation"]),
+            (
+                "(glaucoma: MeanDeviation(x))",
+                &["glaucoma.MeanDeviation = x", "-30 to 0"],
+            ),
+            (
+                "(glaucoma: MeanDeviation(-40))",
+                &["glaucoma = MeanDeviation(-40", "-30 to 0"],
+            ),
+            (
+                "(cataract: (log_s: 2.6))",
+                &["cataract.log_s = 2.6", "0.5 to 2.5"],
+            ),
+            (
+                "(right: (cataract: (nuclear: 7)))",
+                &["right.cataract.nuclear = 7", "0 to 6.9"],
+            ),
+            (
+                "(cataract: (nuclear: much))",
+                &["cataract.nuclear = much", "0 to 6.9"],
+            ),
+            (
+                "(cataract: (center: 1.0))",
+                &["fields of cataract are nuclear"],
+            ),
+            ("(cataract: 3)", &["cataract = 3", "LOCS III"]),
+            ("(ptosis: ())", &["mrd1_mm of ptosis is missing"]),
+            ("(left: 3)", &["left = 3", "(sphere_d: -2.0)"]),
+            (
+                "(left: (age_years: 4.0))",
+                &["age_years belongs to the person", "outside of left"],
+            ),
+            (
+                "(left: (colour: 4.0))",
+                &["\"colour\"", "fields of one eye"],
+            ),
+            (
+                "(age_years: 3.0, age_years: 4.0)",
+                &["age_years of a patient is given twice"],
+            ),
+            ("(age_years: 3.0", &["bracket"]),
+            ("[1, 2]", &["not a patient file"]),
+        ] {
+            let error = parse_patient(text, "p.ron").expect_err(text).to_string();
+            for part in parts.iter().chain([&"p.ron"]) {
+                assert!(error.contains(part), "{text}: {error} lacks {part}");
+            }
+            for parser in ["Laterality", "PatientFile", "EyeFile", "Expected", "f64"] {
+                assert!(!error.contains(parser), "{text}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_eye_may_lack_what_both_have() {
+        let file = parse_patient(
+            "(cataract: (nuclear: 3.0), eumelanin_ratio: 0.2, right: (cataract: None, eumelanin_ratio: None))",
+            "p.ron",
+        )
+        .expect("sound");
+        let [right, left] = Laterality::BOTH.map(|eye| file.of_eye(eye));
+        assert_eq!((right.cataract, right.eumelanin_ratio), (None, None));
+        assert!(left.cataract.is_some() && left.eumelanin_ratio.is_some());
+        let text = ron::ser::to_string(&file).expect("RON");
+        assert_eq!(parse_patient(&text, "again").expect("sound"), file);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What the main world hands to the view's passes each frame, and what comes back.
 
+use super::field::movers::Moved;
 use super::gpu_data::{MediaUniform, PerceptUniform};
-use super::movers::Moved;
-use super::pipelines::Effects;
+use super::pass::Effects;
 use crate::anatomy::VisualField;
 use bevy::asset::Handle;
 use bevy::image::Image;

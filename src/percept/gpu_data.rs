@@ -170,7 +170,7 @@ impl Default for PerceptUniform {
     }
 }
 
-/// What clouded media do to the light (struct `MediaUniform` of `shaders/view/media.wgsl`), 96 bytes.
+/// What clouded media do to the light (struct `MediaUniform` of `shaders/view/present/media.wgsl`), 96 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MediaUniform {

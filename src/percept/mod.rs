@@ -10,29 +10,27 @@
 //! its sight has changed, and not otherwise. A frame then costs one `atomicMin` and one gather a
 //! pixel, and nothing at all while neither clock nor lids move.
 
-pub mod fast;
-pub mod frame;
-pub mod gather;
+mod capture;
+mod field;
+mod frame;
 pub mod gpu_data;
-mod hand_on;
-mod memory;
-mod movers;
-pub mod passes;
-pub mod pipelines;
-pub mod places;
-pub mod readback;
+mod pass;
+pub(crate) mod places;
+mod present;
+mod render;
 mod resources;
 mod sees_as;
-pub mod sharpness_field;
-mod sight;
-pub mod veil;
-pub mod view;
+mod view;
 
-pub use frame::PerceptFrame;
-pub use memory::SharpnessField;
+pub use capture::fast;
+pub use capture::sight::SceneChanges;
+pub use field::{SharpnessField, sharpness_field};
+pub use frame::{CaptureResult, PerceptFrame};
+pub use pass::Effects;
+pub use present::{gather, veil};
+pub use render::Passes;
 pub use sees_as::{SeesAs, Worn};
-pub use sight::SceneChanges;
-pub use view::{Percept, ViewOptions};
+pub use view::{NEAR_M, Percept, ViewOptions};
 
 use crate::frame::EyeSystems;
 use bevy::camera::CameraUpdateSystems;
@@ -56,7 +54,7 @@ impl Plugin for PerceptPlugin {
                     .in_set(EyeSystems::Sense)
                     .before(crate::frame::EyeCommands),
             )
-            .add_systems(Update, memory::remember.in_set(EyeSystems::Perceive))
+            .add_systems(Update, field::remember.in_set(EyeSystems::Perceive))
             // Where cameras stand is known when transforms have come down to them, and what they draw
             // must be known before Bevy looks which of them do.
             .add_systems(
@@ -66,14 +64,14 @@ impl Plugin for PerceptPlugin {
                     sees_as::put_on,
                     sees_as::follow_changes,
                     sees_as::measure_targets,
-                    sight::notice,
-                    view::drive_captures,
-                    view::perceive,
+                    capture::sight::notice,
+                    capture::when::drive_captures,
+                    present::perceive::perceive,
                 )
                     .chain()
                     .after(TransformSystems::Propagate)
                     .before(CameraUpdateSystems),
             );
-        passes::build_render(app);
+        render::build_render(app);
     }
 }

@@ -4,7 +4,8 @@
 
 use super::Stage;
 use crate::frame::SimulationClock;
-use crate::input_file::{one_clause, read_input_file};
+use crate::input_file::notation::{self, Fault, FaultKind};
+use crate::input_file::read_input_file;
 use bevy::prelude::*;
 use serde::Deserialize;
 use std::path::Path;
@@ -82,21 +83,32 @@ pub struct Seat(pub Transform);
 
 /// One moment of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Reflect)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct HeadKey {
     /// Time, s, 0 to 3600, above that of the key before.
     pub time_s: f64,
     /// To the right, m, −100 to 100.
-    pub right_m: f32,
+    #[serde(default)]
+    pub right_m: f64,
     /// Up, m, −100 to 100.
-    pub up_m: f32,
+    #[serde(default)]
+    pub up_m: f64,
     /// Forwards, m, −100 to 100.
-    pub forward_m: f32,
+    #[serde(default)]
+    pub forward_m: f64,
     /// Turned to the right, degrees, −360 to 360.
-    pub yaw_deg: f32,
+    #[serde(default)]
+    pub yaw_deg: f64,
     /// Bent up, degrees, −80 to 80.
-    pub pitch_deg: f32,
+    #[serde(default)]
+    pub pitch_deg: f64,
 }
+
+/// Farthest that a key is, m along each axis, and most that it turns, degrees.
+const FARTHEST_KEY_M: f64 = FARTHEST_M as f64;
+const MOST_TURN_DEG: f64 = 360.0;
+/// Latest that a key is, s.
+const LATEST_S: f64 = 3600.0;
 
 impl HeadKey {
     fn values(&self) -> [f32; 5] {
@@ -106,6 +118,21 @@ impl HeadKey {
             self.forward_m,
             self.yaw_deg,
             self.pitch_deg,
+        ]
+        .map(|value| value as f32)
+    }
+
+    /// Its numbers with their ranges.
+    fn numbers(&self) -> [(&'static str, f64, f64, f64); 6] {
+        let place = |name, value| (name, value, -FARTHEST_KEY_M, FARTHEST_KEY_M);
+        let steepest = f64::from(STEEPEST_DEG);
+        [
+            ("time_s", self.time_s, 0.0, LATEST_S),
+            place("right_m", self.right_m),
+            place("up_m", self.up_m),
+            place("forward_m", self.forward_m),
+            ("yaw_deg", self.yaw_deg, -MOST_TURN_DEG, MOST_TURN_DEG),
+            ("pitch_deg", self.pitch_deg, -steepest, steepest),
         ]
     }
 }
@@ -117,10 +144,34 @@ pub struct HeadPath(Vec<HeadKey>);
 
 /// Why a path could not be read.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot read head path {file}: {reason}")]
+#[error("{file}: {reason}")]
 pub struct HeadPathError {
     file: String,
     reason: String,
+}
+
+/// What is wrong in a path's text.
+fn clause(fault: &Fault) -> String {
+    let field = fault.field();
+    let name = fault.path.last().map_or("", String::as_str);
+    let number = HeadKey::default()
+        .numbers()
+        .into_iter()
+        .find(|(own, ..)| *own == name);
+    let reason = match (&fault.kind, number) {
+        (FaultKind::Value { found }, Some((_, _, low, high))) => {
+            format!("{field} = {found} is not allowed; it must be a number, {low} to {high}")
+        }
+        (FaultKind::Notation(clause), _) => clause.clone(),
+        (FaultKind::UnknownField { found, known }, _) => format!(
+            "unknown field {found:?} in {field}; the fields of a key are {}",
+            known.join(", ")
+        ),
+        (FaultKind::Twice { field: twice }, _) => format!("{twice} is given twice in {field}"),
+        (FaultKind::Missing { field: missing }, _) => format!("{missing} is missing in {field}"),
+        _ => "it must be a list such as [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, yaw_deg: 20.0)]".into(),
+    };
+    format!("{}:{}: {reason}", fault.line, fault.column)
 }
 
 impl HeadPath {
@@ -149,49 +200,30 @@ impl HeadPath {
     /// # Errors
     /// A clause about what is wrong.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let keys: Vec<HeadKey> = ron::from_str(text).map_err(|error| {
-            format!(
-                "line {}, column {}: {}; it is a list such as [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, yaw_deg: 20.0)]",
-                error.span.start.line,
-                error.span.start.col,
-                one_clause(&error.code)
-            )
-        })?;
+        let keys: Vec<HeadKey> = notation::read(text).map_err(|fault| clause(&fault))?;
         if keys.is_empty() {
             return Err("it has no keys".into());
         }
         let mut before_s = -1.0;
         for (index, key) in keys.iter().enumerate() {
-            let within = |name: &str, value: f64, low: f64, high: f64| {
-                // A NaN is in no range.
-                if (low..=high).contains(&value) {
-                    Ok(())
-                } else {
-                    Err(format!(
-                        "key {}: {name} = {value} is out of range; allowed: {low} to {high}",
-                        index + 1
-                    ))
-                }
-            };
-            within("time_s", key.time_s, 0.0, 3600.0)?;
+            let place = index + 1;
+            // A NaN is in no range.
+            if let Some((name, value, low, high)) = key
+                .numbers()
+                .into_iter()
+                .find(|(_, value, low, high)| !(low..=high).contains(&value))
+            {
+                return Err(format!(
+                    "[{place}].{name} = {value} is out of range; allowed: {low} to {high}"
+                ));
+            }
             if key.time_s <= before_s {
                 return Err(format!(
-                    "key {}: time_s = {} does not come after {before_s}",
-                    index + 1,
+                    "[{place}].time_s = {} must come after that of the key before, {before_s}",
                     key.time_s
                 ));
             }
             before_s = key.time_s;
-            for (name, value) in [
-                ("right_m", key.right_m),
-                ("up_m", key.up_m),
-                ("forward_m", key.forward_m),
-            ] {
-                within(name, value.into(), -100.0, 100.0)?;
-            }
-            within("yaw_deg", key.yaw_deg.into(), -360.0, 360.0)?;
-            within("pitch_deg", key.pitch_deg.into(), -80.0, 80.0)?;
         }
         Ok(Self(keys))
     }
@@ -283,13 +315,31 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         for (text, said) in [
-            ("", "it is a list"),
+            ("", "it is empty"),
+            ("(time_s: 1.0)", "must be a list such as"),
             ("[]", "no keys"),
-            ("[(time_s: -1.0)]", "key 1: time_s = -1"),
-            ("[(time_s: 1.0), (time_s: 1.0)]", "does not come after"),
-            ("[(pitch_deg: NaN)]", "pitch_deg = NaN"),
-            ("[(forward_m: 1e9)]", "-100 to 100"),
-            ("[(sideways_m: 1.0)]", "sideways_m"),
+            ("[(time_s: -1.0)]", "[1].time_s = -1 is"),
+            (
+                "[(time_s: 1.0), (time_s: 1.0)]",
+                "[2].time_s = 1 must come after",
+            ),
+            ("[(time_s: 1, pitch_deg: NaN)]", "pitch_deg = NaN"),
+            (
+                "[(time_s: 1, forward_m: -100.1)]",
+                "= -100.1 is out of range; allowed: -100 to 100",
+            ),
+            (
+                "[(time_s: 1, sideways_m: 1.0)]",
+                "fields of a key are time_s, right_m",
+            ),
+            (
+                "[(time_s: 1), (forward_m: 1.0)]",
+                "time_s is missing in [2]",
+            ),
+            (
+                "[(time_s: 1, yaw_deg: left)]",
+                "1:23: [1].yaw_deg = left is not allowed; it must be a number, -360 to 360",
+            ),
         ] {
             let error = HeadPath::parse(text).expect_err(text);
             assert!(error.contains(said), "{text}: {error}");

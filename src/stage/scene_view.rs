@@ -3,7 +3,7 @@
 use super::Stage;
 use super::head::Seat;
 use crate::frame::Panel;
-use crate::percept::view::NEAR_M;
+use crate::percept::NEAR_M;
 use crate::percept::{Percept, ViewOptions};
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneModel;

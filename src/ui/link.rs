@@ -142,7 +142,7 @@ pub(super) fn keep_promises(
 )]
 fn obey(link: &str, state: &mut UiState, controlled: &mut Controlled, still: &mut StandStill) {
     let (wanted, refused) = LinkState::parse(link);
-    state.message = (!refused.is_empty()).then(|| refused.join(" "));
+    state.message = (!refused.is_empty()).then(|| refused.join("\n"));
     if controlled.patient().as_ref() != Some(&wanted.patient) {
         let patient = Box::new(wanted.patient.clone());
         controlled

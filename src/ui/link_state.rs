@@ -346,7 +346,7 @@ fn parse_three(value: &str) -> Option<[f64; 3]> {
 }
 
 /// The nearest that is drawn, m.
-pub const GAZE_NEAREST_M: f64 = crate::percept::view::NEAR_M as f64;
+pub const GAZE_NEAREST_M: f64 = crate::percept::NEAR_M as f64;
 
 fn parse_gaze(value: &str) -> Option<LinkGaze> {
     match value {

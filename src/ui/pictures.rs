@@ -155,7 +155,13 @@ pub fn notices(ui: &mut Ui, state: &mut UiState, now_s: f64) {
                     state.notice = None;
                 }
                 if let Some(message) = state.message.clone() {
-                    ui.colored_label(ui.visuals().error_fg_color, message);
+                    egui::ScrollArea::vertical()
+                        .max_height((area.height() - 96.0).max(60.0))
+                        .show(ui, |ui| {
+                            for sentence in message.lines() {
+                                ui.colored_label(ui.visuals().error_fg_color, sentence);
+                            }
+                        });
                     if ui.button("Dismiss").clicked() {
                         state.message = None;
                     }

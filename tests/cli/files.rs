@@ -270,7 +270,7 @@ fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
         assert!(longer.exists(), "a frame of the longer run is gone");
         let report = fs::read_to_string(files.path("out/report.json")).expect("a report");
         assert!(
-            report.contains("1 more frames, of an earlier run"),
+            report.contains("1 more frame of an earlier run"),
             "{report}"
         );
         assert!(!files.path("out/.ocularium-lock").exists());

@@ -156,4 +156,12 @@ fn render_leaves_whole_files_and_nothing_else() {
     let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
     assert_eq!(report["frame_ms_median"], serde_json::Value::Null);
     assert_eq!(report["removed_frames"], 1);
+    // Nor does one after a run that was killed, which left no report, but its lock.
+    let left = files.path("deep/out/frame_00007.png");
+    fs::write(&left, "a picture").expect("written");
+    fs::write(files.path("deep/out/.ocularium-lock"), "").expect("written");
+    fs::remove_file(files.path("deep/out/report.json")).expect("removed");
+    let output = run(&[&arguments[..6], &["0.05"][..], &arguments[7..]].concat());
+    assert!(output.status.success() && !left.exists());
+    assert!(!files.path("deep/out/.ocularium-lock").exists());
 }

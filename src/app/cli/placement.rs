@@ -1,7 +1,7 @@
 //! How a user's photograph or model stands: distances, heights and units of the command line.
 
 use super::Shown;
-use crate::percept::view::NEAR_M;
+use crate::percept::NEAR_M;
 use crate::scene::depth_file::DepthUnit;
 use crate::scene::photo::PhotoOptions;
 use clap::ValueEnum;

@@ -7,8 +7,17 @@ use std::io::{ErrorKind, Write};
 pub(super) fn say(out: &mut impl Write, line: &str) -> std::io::Result<()> {
     match writeln!(out, "{line}") {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        other => other,
+        Err(error) => Err(unwritten(&error)),
+        Ok(()) => Ok(()),
     }
+}
+
+/// Why standard output could not be written.
+pub(super) fn unwritten(error: &std::io::Error) -> std::io::Error {
+    std::io::Error::new(
+        error.kind(),
+        format!("cannot write standard output: {error}"),
+    )
 }
 
 /// Says on stderr what went wrong or should be known.

@@ -37,7 +37,7 @@ pub fn cubic_spline(x: f64) -> f64 {
 }
 
 /// One step of a picture's mips along one axis: the box that halves it under (1, 2, 1)/4, as
-/// `shaders/view/capture.wgsl` takes it.
+/// `shaders/view/capture/downsample.wgsl` takes it.
 fn halved(source: &[f64]) -> Vec<f64> {
     let (n, m) = (source.len(), (source.len() / 2).max(1));
     let read = |at: isize| source[at.clamp(0, n as isize - 1) as usize];
@@ -67,7 +67,7 @@ fn halved(source: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What `shaders/view/veil.wgsl` reads along one axis of a light in the middle, from a level whose texels
+/// What `shaders/view/present/veil.wgsl` reads along one axis of a light in the middle, from a level whose texels
 /// these are, at each of `side` pixels; `tan_half` is the tangent of half the field.
 fn read_along(texels: &[f64], side: usize, tan_half: f64) -> Vec<f64> {
     let count = texels.len() as f64;

@@ -44,6 +44,9 @@ pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         let mut one = wanted.of_eye(chosen.0.unwrap_or(wanted.eye));
         let before = one.clone();
         let mut settled = conditions(ui, state, &mut one);
+        for remark in one.remarks() {
+            ui.colored_label(ui.visuals().warn_fg_color, format!("{remark}."));
+        }
         ui.add_space(4.0);
         for field in FIELDS.iter().filter(|field| field.name != "pupil") {
             if field.per_eye || chosen.0.is_none() {

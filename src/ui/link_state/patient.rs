@@ -120,6 +120,14 @@ pub(super) fn with_changes(
     }
 }
 
+/// Is it about a number that is infinite or none?
+fn is_no_number(error: &PatientError) -> bool {
+    let PatientError::OutOfRange { value, .. } = error else {
+        return false;
+    };
+    value.contains("NaN") || value.contains("inf")
+}
+
 /// One field's value.
 fn read(field: &str, value: &str) -> Result<Value, String> {
     let key = key_of(field);
@@ -130,14 +138,28 @@ fn read(field: &str, value: &str) -> Result<Value, String> {
         return Ok(Value::String(value.into()));
     }
     let refuse = |reason: &str| format!("The link's {key} is {value:?}: {reason}.");
-    match parse_unchecked(&format!("({field}: {value})"), "link") {
-        Ok(patient) => match fields_of(&patient).remove(field) {
-            // JSON has no number for infinity and NaN, and no field may hold one.
-            Some(Value::Null) if value != "None" => Err(refuse("it is not a number")),
-            Some(value) => Ok(value),
-            None => Err(refuse("it cannot be read")),
+    match parse_unchecked(&format!("({field}: {value})"), "The link") {
+        Ok(patient) => match patient.check("The link") {
+            // JSON has no number for infinity and NaN, so these are told here; whatever else is out of
+            // range is judged beside the other fields.
+            Err(error @ PatientError::OutOfRange { .. }) if is_no_number(&error) => {
+                Err(format!("{error}."))
+            }
+            _ => fields_of(&patient)
+                .remove(field)
+                .ok_or_else(|| refuse("it cannot be read")),
         },
+        Err(PatientError::Kind {
+            field: inner,
+            value: found,
+            allowed,
+            ..
+        }) => Err(if inner == field {
+            format!("The link's {key} is {value:?}, but must be {allowed}.")
+        } else {
+            format!("The link's {inner} is {found:?}, but must be {allowed}.")
+        }),
         Err(PatientError::Syntax { reason, .. }) => Err(refuse(&reason)),
-        Err(error) => Err(refuse(&error.to_string())),
+        Err(error) => Err(format!("{error}.")),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Enters: linear radiance, vergence and a blur diameter for every pixel. Leaves: the linear radiance
 //! that is seen. [`reference_gather`] is the f64 reference over every pixel of each kernel, against
-//! which the taps of `shaders/view/gather.wgsl` are measured; the functions above it are the twins of
+//! which the taps of `shaders/view/present/gather.wgsl` are measured; the functions above it are the twins of
 //! `shaders/lib/retinal_blur.wgsl`, `gaussian_disc.wgsl` and `eyelid_view.wgsl`.
 //!
 //! Nießner et al. 2013, section 5, blur by a Gaussian whose deviation follows each pixel's circle of

@@ -4,7 +4,7 @@
 //! Leaves: the render layers that were touched in this frame. A shadow may fall in from outside of
 //! the picture, so a change anywhere on a camera's layers counts.
 
-use super::movers::Movers;
+use super::super::field::movers::Movers;
 use crate::appearance::model::EyePart;
 use crate::appearance::{EyeModel, EyeParts};
 use bevy::asset::AssetEvent;
@@ -43,7 +43,7 @@ impl SceneChanges {
     }
 
     /// What has moved.
-    pub(super) fn movers(&self) -> &Movers {
+    pub(in crate::percept) fn movers(&self) -> &Movers {
         &self.movers
     }
 
@@ -80,7 +80,7 @@ type Altered = Or<(
 
 /// What of a camera, beside its place and lens, decides what it draws.
 #[derive(bevy::ecs::query::QueryData)]
-pub(super) struct CameraLook {
+pub(in crate::percept) struct CameraLook {
     exposure: Option<Ref<'static, Exposure>>,
     ambient: Option<Ref<'static, AmbientLight>>,
     fog: Option<Ref<'static, DistanceFog>>,
@@ -91,14 +91,14 @@ pub(super) struct CameraLook {
 
 /// What a camera had of it, and before what colour it drew.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Look {
+pub(in crate::percept) struct Look {
     has: [bool; 6],
     background: Option<LinearRgba>,
 }
 
 impl CameraLookItem<'_, '_> {
     /// Does the camera draw otherwise than it did when this was last asked?
-    pub(super) fn has_changed(&self, camera: &Camera, before: &mut Look) -> bool {
+    pub(in crate::percept) fn has_changed(&self, camera: &Camera, before: &mut Look) -> bool {
         fn state<T>(part: &Option<Ref<T>>) -> (bool, bool) {
             let changed = part.as_ref().is_some_and(|part| part.is_changed());
             (part.is_some(), changed)
@@ -126,7 +126,7 @@ impl CameraLookItem<'_, '_> {
 
 /// Lights and meshes that are gone.
 #[derive(bevy::ecs::system::SystemParam)]
-pub(super) struct Gone<'w, 's> {
+pub(in crate::percept) struct Gone<'w, 's> {
     meshes: RemovedComponents<'w, 's, Mesh3d>,
     points: RemovedComponents<'w, 's, PointLight>,
     suns: RemovedComponents<'w, 's, DirectionalLight>,
@@ -136,7 +136,7 @@ pub(super) struct Gone<'w, 's> {
 
 /// What meshes are drawn with.
 #[derive(bevy::ecs::system::SystemParam)]
-pub(super) struct Surfaces<'w, 's> {
+pub(in crate::percept) struct Surfaces<'w, 's> {
     meshes: MessageReader<'w, 's, AssetEvent<Mesh>>,
     materials: MessageReader<'w, 's, AssetEvent<StandardMaterial>>,
     images: MessageReader<'w, 's, AssetEvent<Image>>,
@@ -166,7 +166,7 @@ type Placed<'a> = (
     clippy::too_many_arguments,
     reason = "a system's arguments are what it reads and makes"
 )]
-pub(super) fn notice(
+pub(in crate::percept) fn notice(
     mut changes: ResMut<SceneChanges>,
     altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
     unaltered: Query<(Entity, Option<&RenderLayers>), Seen>,

@@ -1,7 +1,7 @@
 //! Copies from the GPU that arrive when they are ready, on the desktop and in a browser.
 
-use super::frame::CaptureResult;
-use super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, TABLE_COUNTERS};
+use super::super::frame::CaptureResult;
+use super::super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, TABLE_COUNTERS};
 use bevy::math::UVec2;
 use bevy::render::render_resource::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Extent3d, MapMode, Origin3d,
@@ -23,7 +23,7 @@ const CANDIDATE_BYTES: u64 = CANDIDATE_CAPACITY as u64 * 16;
 const TEXTURE_OFFSET: u64 = (COUNTERS_BYTES + TABLE_BYTES + CANDIDATE_BYTES).next_multiple_of(256);
 
 /// One capture on its way to the CPU.
-pub struct Staging {
+pub(in crate::percept) struct Staging {
     buffer: Buffer,
     serial: u64,
     size: UVec2,
@@ -35,7 +35,7 @@ pub struct Staging {
 impl Staging {
     /// Records the copies; they run when the encoder is submitted.
     #[expect(clippy::too_many_arguments, reason = "one argument a source")]
-    pub fn copy(
+    pub(in crate::percept) fn copy(
         device: &RenderDevice,
         encoder: &mut CommandEncoder,
         serial: u64,
@@ -140,23 +140,23 @@ impl Staging {
 
 /// The one capture that may be on its way.
 #[derive(Default)]
-pub struct Readback {
+pub(in crate::percept) struct Readback {
     staging: Option<Staging>,
 }
 
 impl Readback {
     /// Is one on its way?
-    pub fn busy(&self) -> bool {
+    pub(in crate::percept) fn busy(&self) -> bool {
         self.staging.is_some()
     }
 
     /// Starts one, recorded in this frame.
-    pub fn start(&mut self, staging: Staging) {
+    pub(in crate::percept) fn start(&mut self, staging: Staging) {
         self.staging = Some(staging);
     }
 
     /// The one that has arrived. Called after the frame's work is submitted.
-    pub fn take_finished(&mut self) -> Option<CaptureResult> {
+    pub(in crate::percept) fn take_finished(&mut self) -> Option<CaptureResult> {
         let staging = self.staging.as_mut()?;
         if !staging.asked {
             staging.ask();

@@ -22,7 +22,7 @@ const MARGIN_M: f64 = 0.003;
 
 /// A mesh that has moved.
 #[derive(Clone, Debug)]
-pub(super) struct Mover {
+pub(in crate::percept) struct Mover {
     entity: Entity,
     /// From 1, never used again.
     name: u32,
@@ -35,7 +35,7 @@ pub(super) struct Mover {
     moved_at: u64,
 }
 
-/// [`Mover`] as the pass reads it (struct `Mover` of `shaders/view/field_update.wgsl`), 128 bytes.
+/// [`Mover`] as the pass reads it (struct `Mover` of `shaders/view/field/movers.wgsl`), 128 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct MoverData {
@@ -51,14 +51,14 @@ const _: () = assert!(size_of::<MoverData>() == 128);
 
 impl MoverData {
     /// Its name.
-    pub(super) fn name(&self) -> u32 {
+    pub(in crate::percept) fn name(&self) -> u32 {
         self.name
     }
 }
 
 /// Everything that has moved, and where everything is.
 #[derive(Debug, Default)]
-pub(super) struct Movers {
+pub(in crate::percept) struct Movers {
     list: Vec<Mover>,
     places: HashMap<Entity, DAffine3>,
     frame: u64,
@@ -88,12 +88,12 @@ fn rows(map: DAffine3) -> [[f32; 4]; 3] {
 
 impl Movers {
     /// A frame begins.
-    pub(super) fn begin(&mut self) {
+    pub(in crate::percept) fn begin(&mut self) {
         self.frame += 1;
     }
 
     /// Is it where it was, turned at most?
-    pub(super) fn only_turns(&self, entity: Entity, place: &GlobalTransform) -> bool {
+    pub(in crate::percept) fn only_turns(&self, entity: Entity, place: &GlobalTransform) -> bool {
         let now = affine(place).translation;
         self.places
             .get(&entity)
@@ -102,7 +102,7 @@ impl Movers {
 
     /// Takes in where a mesh is, and middle and half size of its box in its own frame, if that is known
     /// yet.
-    pub(super) fn place(
+    pub(in crate::percept) fn place(
         &mut self,
         entity: Entity,
         place: &GlobalTransform,
@@ -155,14 +155,14 @@ impl Movers {
     }
 
     /// It is no more.
-    pub(super) fn forget(&mut self, entity: Entity) {
+    pub(in crate::percept) fn forget(&mut self, entity: Entity) {
         self.places.remove(&entity);
         self.list.retain(|mover| mover.entity != entity);
     }
 
     /// Those that a camera of these layers may see, for a memory with this origin (m); `knows` says of
     /// which the camera has kept something under their names.
-    pub(super) fn seen_by(
+    pub(in crate::percept) fn seen_by(
         &self,
         layers: Option<&RenderLayers>,
         origin: Vec3,
@@ -209,9 +209,9 @@ impl Movers {
 #[derive(Clone, Debug, Default)]
 pub struct Moved {
     /// Where it is.
-    pub(super) here: Arc<[MoverData]>,
+    pub(in crate::percept) here: Arc<[MoverData]>,
     /// Where that was of which nothing stands under a name yet.
-    pub(super) left: Arc<[MoverData]>,
+    pub(in crate::percept) left: Arc<[MoverData]>,
 }
 
 #[cfg(test)]

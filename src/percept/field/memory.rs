@@ -1,6 +1,6 @@
 //! The memory of what was seen sharply, as a person has it: how fast it fades, and its clock.
 
-use super::gpu_data::FORGET;
+use super::super::gpu_data::FORGET;
 use super::sharpness_field::SharpnessClock;
 use crate::anatomy::Eyelids;
 use crate::frame::SimulationClock;
@@ -69,12 +69,12 @@ impl SharpnessField {
     }
 
     /// What has to be taken off every key in this frame, or [`FORGET`].
-    pub(super) fn rebase_steps(&self) -> u32 {
+    pub(in crate::percept) fn rebase_steps(&self) -> u32 {
         self.rebase_steps
     }
 
     /// Which memory this is.
-    pub(super) fn lifetime(&self) -> u64 {
+    pub(in crate::percept) fn lifetime(&self) -> u64 {
         self.lifetime
     }
 
@@ -102,7 +102,7 @@ impl SharpnessField {
 }
 
 /// Lets the memory of everybody fade.
-pub(super) fn remember(
+pub(in crate::percept) fn remember(
     clock: Res<SimulationClock>,
     mut fields: Query<(&mut SharpnessField, &Eyelids)>,
 ) {

@@ -1,6 +1,6 @@
 //! From a view's own picture to the window, or the part of a target, that its camera draws into.
 
-use super::sees_as::Presents;
+use super::super::sees_as::Presents;
 use bevy::core_pipeline::blit::{BlitPipeline, BlitPipelineKey};
 use bevy::prelude::*;
 use bevy::render::camera::ExtractedCamera;
@@ -14,7 +14,7 @@ use bevy::render::texture::GpuImage;
 use bevy::render::view::ViewTarget;
 
 /// Copies the picture to its place; draws it there where the target has another format.
-pub(super) fn hand_on(
+pub(in crate::percept) fn hand_on(
     view: ViewQuery<(&ViewTarget, &ExtractedCamera, &Presents)>,
     images: Res<RenderAssets<GpuImage>>,
     blit: Res<BlitPipeline>,

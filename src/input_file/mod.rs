@@ -1,5 +1,7 @@
 //! Files that a user names.
 
+pub mod notation;
+
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 

@@ -5,11 +5,11 @@
 @group(0) @binding(3) var<storage, read> blur_px: array<f32>;
 @group(0) @binding(4) var<storage, read> tile_near: array<vec2<f32>>;
 #ifdef FIELD_LOSS
-@group(0) @binding(5) var visual_field: texture_2d<f32>;
+@group(#{FIELD_LOSS_GROUP}) @binding(0) var visual_field: texture_2d<f32>;
 #endif
 #ifdef MEDIA
-@group(0) @binding(6) var veil: texture_2d<f32>;
-@group(0) @binding(7) var<uniform> media: MediaUniform;
+@group(#{MEDIA_GROUP}) @binding(0) var veil: texture_2d<f32>;
+@group(#{MEDIA_GROUP}) @binding(1) var<uniform> media: MediaUniform;
 #endif
 
 struct FullScreen {

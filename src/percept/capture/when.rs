@@ -1,0 +1,235 @@
+//! When the view of a camera is captured: once its size is known and all that it shows is built, and again
+//! when the camera or anything before it has changed.
+
+use super::super::field::SharpnessField;
+use super::super::sees_as::{SeesAs, Worn};
+use super::super::view::{
+    LaidOut, NEAR_M, Percept, QUIET_FRAMES, Sight, Stage, ViewOptions, is_shown,
+};
+use super::sight::{CameraLook, SceneChanges};
+use crate::anatomy::EyeFinder;
+use crate::frame::Panel;
+use crate::frame::readiness::Readiness;
+use crate::scene::photo_view::{Photograph, photo_images};
+use bevy::camera::RenderTarget;
+use bevy::camera::visibility::RenderLayers;
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
+use std::sync::Arc;
+
+/// Largest side of the scene's picture that every device takes.
+const LARGEST_TEXTURE: u32 = 8192;
+
+/// The parts of a camera that a capture needs.
+type Capturing<'a> = (
+    &'a SeesAs,
+    &'a mut Worn,
+    &'a ViewOptions,
+    CameraLook,
+    &'a GlobalTransform,
+    Option<&'a Panel>,
+    Option<&'a Photograph>,
+    Option<&'a RenderLayers>,
+    Ref<'a, Projection>,
+    &'a mut Percept,
+    &'a mut Camera,
+    &'a mut RenderTarget,
+);
+
+/// Asks for captures where size, sight or scene have changed, as soon as everything that they show is
+/// built.
+pub(in crate::percept) fn drive_captures(
+    readiness: Res<Readiness>,
+    changes: Res<SceneChanges>,
+    clear: Option<Res<ClearColor>>,
+    finder: EyeFinder,
+    people: Query<&SharpnessField>,
+    mut images: ResMut<Assets<Image>>,
+    mut views: Query<Capturing>,
+) {
+    let is_recolored = clear.is_some_and(|clear| clear.is_changed());
+    for (
+        sees,
+        mut worn,
+        options,
+        look,
+        transform,
+        panel,
+        photo,
+        layers,
+        projection,
+        mut percept,
+        mut camera,
+        mut target,
+    ) in &mut views
+    {
+        let size = worn.size();
+        let memory = finder
+            .find(sees.0)
+            .and_then(|(_, patient)| people.get(patient).ok());
+        let drawing = match memory {
+            Some(memory) if is_shown(options, panel) && size != UVec2::ZERO => {
+                let percept = &mut *percept;
+                let is_resized = lay_out(
+                    percept,
+                    photo,
+                    size,
+                    options,
+                    &readiness,
+                    &mut images,
+                    (&mut worn, &mut target),
+                );
+                let sight = sight_of(percept, transform, &projection);
+                let is_photo = percept.photo.is_some();
+                let taken_with = (options.threshold, options.exposure, memory.voxel_m);
+                // Voxels of another size are another memory.
+                percept.forget_voxels |= percept.taken_with.2 != taken_with.2;
+                let mut has_changed =
+                    is_resized || percept.is_outdated || taken_with != percept.taken_with;
+                if !is_photo {
+                    has_changed |= sight != percept.sight
+                        || changes.touch(layers)
+                        || is_recolored
+                        || look.has_changed(&camera, &mut percept.look);
+                }
+                percept.sight = sight;
+                percept.taken_with = taken_with;
+                // Until it has been asked for.
+                percept.is_outdated = has_changed;
+                if percept.is_new && percept.stage == Stage::Wanted {
+                    percept.origin = percept.sight.pose.translation.into();
+                }
+                if (has_changed || percept.stage == Stage::Wanted) && !is_photo {
+                    let (origin, known) = (percept.origin, &percept.known_movers);
+                    let knows = |name| known.contains(&name);
+                    percept.moved = changes.movers().seen_by(layers, origin, knows);
+                }
+                let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
+                drive(percept, has_changed, quiet) && !is_photo
+            }
+            _ => false,
+        };
+        if camera.is_active != drawing {
+            camera.is_active = drawing;
+        }
+    }
+}
+
+/// Gives a view its size and its photograph; says whether it has another picture of the size that it had.
+fn lay_out(
+    percept: &mut Percept,
+    photo: Option<&Photograph>,
+    size: UVec2,
+    options: &ViewOptions,
+    readiness: &Readiness,
+    images: &mut Assets<Image>,
+    (worn, target): (&mut Worn, &mut RenderTarget),
+) -> bool {
+    let scale = match photo {
+        Some(_) => 1,
+        None => supersampling(size, options),
+    };
+    let is_same_photo = match (photo, &percept.photo) {
+        (Some(photo), Some(laid)) => Arc::ptr_eq(&photo.0, &laid.photo),
+        (photo, laid) => photo.is_none() && laid.is_none(),
+    };
+    let is_resized = percept.size != size || percept.scale != scale;
+    if !is_resized && is_same_photo {
+        return false;
+    }
+    percept.size = size;
+    percept.scale = scale;
+    match photo {
+        None => {
+            percept.photo = None;
+            let picture = images.add(picture_image(size * scale));
+            worn.draw_into(picture, scale as f32, target);
+        }
+        Some(photo) => {
+            let (colour, vergence, smaller_deg) = photo_images(&photo.0, size);
+            percept.photo = Some(LaidOut {
+                photo: photo.0.clone(),
+                colour: images.add(colour),
+                vergence: images.add(vergence),
+                tan_half: (0.5 * smaller_deg.to_radians()).tan(),
+            });
+        }
+    }
+    if is_resized {
+        percept.stage = Stage::Wanted;
+        percept.waited = 0;
+        readiness.restart();
+    }
+    !is_resized
+}
+
+/// From where and how wide a view looks now.
+fn sight_of(percept: &Percept, transform: &GlobalTransform, projection: &Projection) -> Sight {
+    let size = percept.size.as_vec2();
+    let aspect = size.x / size.y;
+    let half = match (&percept.photo, projection) {
+        (Some(laid), _) => Vec2::new(aspect.max(1.0), (1.0 / aspect).max(1.0)) * laid.tan_half,
+        (None, Projection::Perspective(lens)) => {
+            let up = (0.5 * lens.fov).tan();
+            Vec2::new(up * aspect, up)
+        }
+        // An eye has no other projection; what such a camera draws is taken for one of 60°.
+        (None, _) => {
+            warn_once!("a camera that sees as an eye does must be perspective");
+            let up = (0.5 * 60f32.to_radians()).tan();
+            Vec2::new(up * aspect, up)
+        }
+    };
+    let near_m = match projection {
+        Projection::Perspective(lens) => lens.near,
+        _ => NEAR_M,
+    };
+    Sight {
+        pose: transform.to_isometry(),
+        half,
+        near_m,
+    }
+}
+
+/// The next step of a view's capture; says whether its camera draws in this frame.
+fn drive(percept: &mut Percept, has_changed: bool, quiet: bool) -> bool {
+    match percept.stage {
+        // The camera draws twice: once so that its pipelines are asked for, once for the capture.
+        Stage::Wanted if quiet => percept.ask(),
+        Stage::Wanted => percept.waited += 1,
+        Stage::Asked if (has_changed || percept.is_unread) && percept.is_recorded() => {
+            percept.ask()
+        }
+        Stage::Asked => percept.captured_half = percept.sight.half,
+        Stage::Done if has_changed => {
+            percept.is_unfinished = !quiet;
+            percept.ask();
+        }
+        Stage::Done if percept.is_unfinished && quiet => {
+            percept.is_unfinished = false;
+            percept.ask();
+        }
+        Stage::Done => {}
+    }
+    match percept.stage {
+        Stage::Wanted => percept.waited <= 2,
+        // Until it is recorded: its pipelines may be late. The answer takes longer.
+        Stage::Asked => !percept.is_recorded(),
+        Stage::Done => false,
+    }
+}
+
+/// What was asked for, as far as the largest texture allows.
+fn supersampling(size: UVec2, options: &ViewOptions) -> u32 {
+    let most = LARGEST_TEXTURE / size.max_element().max(1);
+    options.supersampling.clamp(1, most.max(1))
+}
+
+fn picture_image(size: UVec2) -> Image {
+    let mut image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba16Float, None);
+    image.asset_usage = bevy::asset::RenderAssetUsages::RENDER_WORLD;
+    image.data = None;
+    // Its first picture has nothing to be copied from.
+    image.copy_on_resize = false;
+    image
+}
