@@ -10,6 +10,7 @@ mod ledger;
 mod models_in_view;
 mod people;
 mod percept_gpu;
+mod photographs;
 mod render;
 mod resized_view;
 mod rooms;

@@ -1,4 +1,4 @@
-// What the lids leave of the view. Twin: src/percept/gather.rs.
+// What the lids leave of the view. Twin: src/percept/present/gather.rs.
 
 // How far the anterior edge of a lid's margin stands before the posterior one, mm: the margin is about
 // 2 mm thick.

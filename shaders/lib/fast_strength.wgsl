@@ -1,4 +1,4 @@
-// FAST-9/16 (Rosten and Drummond 2005). Twin: src/percept/fast.rs.
+// FAST-9/16 (Rosten and Drummond 2005). Twin: src/percept/capture/fast.rs.
 
 // Largest over the sixteen arcs of nine and both signs of the smallest |difference|: the pixel is a
 // corner at threshold t where this exceeds t, and its score is one less. `difference` holds ring

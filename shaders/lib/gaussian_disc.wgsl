@@ -1,4 +1,4 @@
-// The gather's kernel: a Gaussian with the variance of a uniform disc. Twin: src/percept/gather.rs.
+// The gather's kernel: a Gaussian with the variance of a uniform disc. Twin: src/percept/present/gather.rs.
 //
 // A uniform disc of diameter d has the variance d^2/16 along each axis, so sigma = d/4.
 // sigma <= 0.7: four bilinear taps at (+-a, +-a) with a = sigma^2, whose variance is exactly a.

@@ -1,5 +1,5 @@
 // Blur at the retina in radians of visual angle (diameters), and directions in the view.
-// Twin: src/percept/gather.rs; the defocus itself is lib/defocus.wgsl.
+// Twin: src/percept/present/gather.rs; the defocus itself is lib/defocus.wgsl.
 
 // Resolution limit of the healthy retina at an eccentricity: linear, doubling at `e2_rad`.
 fn neural_blur(eccentricity_rad: f32, floor_rad: f32, e2_rad: f32) -> f32 {

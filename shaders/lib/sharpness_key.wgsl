@@ -1,4 +1,4 @@
-// The sharpness field's ordered key. Twin: src/percept/sharpness_field.rs.
+// The sharpness field's ordered key. Twin: src/percept/field/sharpness_field.rs.
 //
 // A voxel seen with a circle of confusion c0 (rad) when the starvation R(t) = integral of r dt stood
 // at R0 has c(t) = c0 exp(R(t) - R0) ever after, so ln c0 - R0 alone orders voxels by sharpness at

@@ -1,4 +1,4 @@
-// Where a seen point lies in the sharpness field. Twin: src/percept/sharpness_field.rs.
+// Where a seen point lies in the sharpness field. Twin: src/percept/field/sharpness_field.rs.
 //
 // Cells are cubes on one world-fixed grid. Uniform: side `voxel_size_m` (the paper's grid, but
 // sparse). In proportion to distance: the side is the power of two (times `voxel_angle_rad`) that

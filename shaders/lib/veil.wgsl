@@ -1,4 +1,4 @@
-// Straylight of clouded media, from the mips of a picture. Twin: src/percept/veil.rs.
+// Straylight of clouded media, from the mips of a picture. Twin: src/percept/present/veil.rs.
 
 // Share of its solid angle that a pixel at this tangent from the middle of a view keeps along one axis.
 // The product of both is (1 + x² + y²)^-1.5 but for x² y² in the bracket.

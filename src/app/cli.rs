@@ -154,7 +154,7 @@ struct RenderArgs {
     /// Distance of that camera from the cornea in mm, 35 to 400.
     #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance, allow_hyphen_values = true)]
     distance: f32,
-    /// The way that the head goes through a model: a file (RON) with a list of moments, as in
+    /// The way that the head goes through the scene: a file (RON) with a list of moments, as in
     /// [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, right_m: 0.2, up_m: 0.0, yaw_deg: 20.0, pitch_deg: -5.0)],
     /// against where the scene puts it.
     #[arg(long, value_name = "FILE")]

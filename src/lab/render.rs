@@ -9,7 +9,6 @@ use crate::motion::trace::{TraceRow, write_trace};
 use crate::output_file::{FolderLock, WriteError, prepare_folder, write_whole};
 use crate::percept::ViewOptions;
 use crate::percept::places::FEWEST_CORNERS;
-use crate::scene::catalog::LoadedScene;
 use crate::stage::{HeadPath, Session};
 use bevy::math::UVec2;
 use image::RgbaImage;
@@ -184,9 +183,6 @@ pub fn render(
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
     let scene = session.scene.name().to_owned();
-    if request.head_path.is_some() && matches!(session.scene.as_ref(), LoadedScene::Photo(_)) {
-        remarks.push("A photograph has one viewpoint: the head path is not followed.".into());
-    }
     // All of it stands before the first look: what the eye may look at is searched for but once.
     let mut headless = Headless::prepared(session, sizes, shown, |world, stage| {
         world.entity_mut(stage.eye).insert(request.orbit);

@@ -1,7 +1,7 @@
 //! What the main world hands to the view's passes each frame, and what comes back.
 
 use super::field::movers::Moved;
-use super::gpu_data::{MediaUniform, PerceptUniform};
+use super::gpu_data::{MediaUniform, PerceptUniform, PhotoUniform};
 use super::pass::Effects;
 use crate::anatomy::VisualField;
 use bevy::asset::Handle;
@@ -23,6 +23,8 @@ pub enum CaptureSource {
         colour: Handle<Image>,
         /// Vergence in 1/m, R32F.
         vergence: Handle<Image>,
+        /// Where the view is in its frame.
+        numbers: PhotoUniform,
     },
 }
 

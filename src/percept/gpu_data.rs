@@ -224,6 +224,29 @@ pub fn slot_groups(slots: u32) -> [u32; 2] {
     [x, groups.div_ceil(x)]
 }
 
+/// Where a view is in the frame of its photograph (struct `PhotoUniform` of
+/// `shaders/view/capture/capture_photo.wgsl`), 64 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PhotoUniform {
+    /// View +x.
+    pub right: [f32; 3],
+    /// 0: the view is the photograph's own.
+    pub has_moved: u32,
+    /// View +y.
+    pub up: [f32; 3],
+    /// Distance of all of it, m; 0: by its map.
+    pub flat_m: f32,
+    /// View +z.
+    pub back: [f32; 3],
+    /// Nothing.
+    pub unused: f32,
+    /// The eye, m.
+    pub eye_m: [f32; 3],
+    /// Nothing.
+    pub unused_too: f32,
+}
+
 /// Slots (a power of two) that keep the table's load at or under 60 % when a view of `pixels` is
 /// added to `occupied` voxels: a view adds at most one voxel a pixel. 12 bytes a slot.
 pub fn table_slots(occupied: u32, pixels: u32) -> u32 {
@@ -306,6 +329,35 @@ mod tests {
             unused,
         );
         assert_eq!(members.len(), 43);
+    }
+
+    #[test]
+    fn a_photographs_numbers_are_in_the_same_places() {
+        let wgsl = include_str!("../../shaders/view/capture/capture_photo.wgsl");
+        let (_, rest) = wgsl.split_once("struct PhotoUniform").unwrap();
+        let (body, _) = rest.split_once("};").unwrap();
+        let module =
+            naga::front::wgsl::parse_str(&format!("struct PhotoUniform {body}}};")).unwrap();
+        let (_, ty) = module.types.iter().last().unwrap();
+        let naga::TypeInner::Struct { members, span } = &ty.inner else {
+            panic!("no struct")
+        };
+        let found: Vec<(&str, usize)> = members
+            .iter()
+            .map(|member| (member.name.as_deref().unwrap(), member.offset as usize))
+            .collect();
+        macro_rules! same {
+            ($($name:ident),*) => {
+                vec![$((stringify!($name), std::mem::offset_of!(PhotoUniform, $name))),*]
+            };
+        }
+        assert_eq!(
+            found,
+            same!(
+                right, has_moved, up, flat_m, back, unused, eye_m, unused_too
+            )
+        );
+        assert_eq!(*span as usize, size_of::<PhotoUniform>());
     }
 
     #[test]

@@ -363,11 +363,16 @@ fn draw_views(
         match &frame.capture {
             Some(request) if request.serial != view.captured => {
                 // What a camera draws is captured, and shown, after it has drawn.
-                if let CaptureSource::Photo { colour, vergence } = &request.source
+                if let CaptureSource::Photo {
+                    colour,
+                    vergence,
+                    numbers,
+                } = &request.source
                     && let (Some(colour), Some(vergence)) =
                         (images.get(colour), images.get(vergence))
                 {
-                    let source = Source::Photo(&colour.texture_view, &vergence.texture_view);
+                    let source =
+                        Source::Photo(&colour.texture_view, &vergence.texture_view, *numbers);
                     if capture(frame, view, &mut passes, &source, &queue, &mut recorder) {
                         show_captured(frame, view, &mut passes, &queue, &images, &mut recorder);
                     }

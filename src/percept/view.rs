@@ -76,6 +76,7 @@ pub(super) struct Asked {
 #[derive(Debug)]
 pub(super) struct LaidOut {
     pub(super) photo: Arc<PhotoScene>,
+    pub(super) taken_from: Isometry3d,
     pub(super) colour: Handle<Image>,
     pub(super) vergence: Handle<Image>,
     /// Tangent of half the angle that the view's smaller side spans.

@@ -5,14 +5,20 @@ use super::photo::PhotoScene;
 use bevy::asset::RenderAssetUsages;
 use bevy::ecs::component::Component;
 use bevy::image::Image;
-use bevy::math::{UVec2, Vec2};
+use bevy::math::{Isometry3d, UVec2, Vec2};
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use half::f16;
 use std::sync::Arc;
 
 /// The photograph that a camera looks at in place of what stands before it in the world.
 #[derive(Component, Clone, Debug)]
-pub struct Photograph(pub Arc<PhotoScene>);
+pub struct Photograph {
+    /// The photograph.
+    pub photo: Arc<PhotoScene>,
+    /// From where, and where to, it was taken: the camera there has it before it as a whole. Elsewhere it
+    /// sees what the photograph shows, by its distances, from there.
+    pub taken_from: Isometry3d,
+}
 
 /// Tangent of half the widest angle that a panel spans so that all of a photograph is in it (60°): of a
 /// longer strip the ends are cut off.

@@ -78,7 +78,10 @@ impl Scenery<'_, '_> {
             }
             LoadedScene::Photo(photo) => {
                 commands.entity(stage.view).insert((
-                    Photograph(photo.clone()),
+                    Photograph {
+                        photo: photo.clone(),
+                        taken_from: Isometry3d::IDENTITY,
+                    },
                     Seat::default(),
                     RenderLayers::layer(SCENE_LAYER),
                 ));

@@ -4,7 +4,6 @@ use super::{Controlled, GazeMode, UiState};
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
-use crate::scene::catalog::LoadedScene;
 use bevy::math::{UVec2, Vec2};
 use bevy_egui::egui::{self, Rect, Sense, TextureId, Ui, pos2, vec2};
 
@@ -200,8 +199,7 @@ pub fn bars(ui: &mut Ui, side: f32, hint: &str, state: &mut UiState) -> bool {
 
 /// The view goes with the pointer: `share` of its width and height.
 fn turn_head(controlled: &mut Controlled, share: egui::Vec2) {
-    let is_model = matches!(*controlled.stage.scene, LoadedScene::Model(_));
-    let Some(percept) = controlled.view.percept().filter(|_| is_model) else {
+    let Some(percept) = controlled.view.percept() else {
         return;
     };
     let angles = 2.0 * Vec2::new(percept.half_field().x.atan(), percept.half_field().y.atan());

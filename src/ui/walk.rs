@@ -1,7 +1,6 @@
 //! Walking through a scene: W A S D or the arrow keys, and turning the head by dragging the view.
 
 use super::Controlled;
-use crate::scene::catalog::LoadedScene;
 use bevy::prelude::*;
 use bevy_egui::EguiContexts;
 
@@ -10,7 +9,7 @@ const WALK_M_S: f32 = 1.2;
 /// Speed of turning by keys, degrees a second.
 const TURN_DEG_S: f32 = 60.0;
 
-/// Moves the head while keys are held. A photograph has nothing to walk through.
+/// Moves the head while keys are held.
 pub(super) fn walk(
     keys: Res<ButtonInput<KeyCode>>,
     time: Res<Time<Real>>,
@@ -20,7 +19,6 @@ pub(super) fn walk(
     if contexts
         .ctx_mut()
         .is_ok_and(|context| context.egui_wants_keyboard_input())
-        || !matches!(*controlled.stage.scene, LoadedScene::Model(_))
     {
         return;
     }

@@ -13,8 +13,10 @@ pub(super) use readback::{Readback, Staging};
 pub(super) use view_images::ViewImages;
 
 use super::frame::CaptureSource;
-use super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, WORKGROUP, mip_levels, pixel_groups};
-use super::pass::{ComputePass, EffectInputs, Effects, Recorder, view_numbers};
+use super::gpu_data::{
+    CANDIDATE_CAPACITY, FEATURE_COUNTERS, PhotoUniform, WORKGROUP, mip_levels, pixel_groups,
+};
+use super::pass::{ComputePass, EffectInputs, Effects, Recorder, numbers, view_numbers};
 use super::resources::{STORAGE, buffer};
 use crate::frame::shaders;
 use bevy::render::render_resource::binding_types::{
@@ -22,8 +24,9 @@ use bevy::render::render_resource::binding_types::{
     texture_storage_2d,
 };
 use bevy::render::render_resource::{
-    BindGroupEntries, BindGroupLayoutEntries, Buffer, PipelineCache, ShaderStages,
-    StorageTextureAccess, TextureFormat, TextureSampleType, TextureView,
+    BindGroupEntries, BindGroupLayoutEntries, Buffer, BufferInitDescriptor, BufferUsages,
+    PipelineCache, ShaderStages, StorageTextureAccess, TextureFormat, TextureSampleType,
+    TextureView,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 
@@ -67,6 +70,7 @@ impl Default for CapturePasses {
                 colour(),
                 vergence(),
                 changes(),
+                numbers::<PhotoUniform>(),
             ),
         );
         let features = BindGroupLayoutEntries::sequential(
@@ -98,8 +102,8 @@ impl Default for CapturePasses {
 pub(super) enum Source<'a> {
     /// A camera's colour and depth.
     Scene(&'a TextureView, &'a TextureView),
-    /// A photograph's colour and vergence.
-    Photo(&'a TextureView, &'a TextureView),
+    /// A photograph's colour and vergence, and where the view is in its frame.
+    Photo(&'a TextureView, &'a TextureView, PhotoUniform),
 }
 
 /// The corners of a view: their counters and their list.
@@ -152,20 +156,44 @@ impl CapturePasses {
         let plain = EffectInputs::default();
         let size = view.size;
         let pixels = pixel_groups(size.x, size.y, WORKGROUP);
-        let (pass, colour, distance) = match source {
-            Source::Scene(colour, depth) => (&mut self.scene, colour, depth),
-            Source::Photo(colour, vergence) => (&mut self.photo, colour, vergence),
-        };
         let finest = view.level(0);
-        let entries = BindGroupEntries::sequential((
+        let (uniform, luma) = (
             view.uniform.as_entire_binding(),
-            *colour,
-            *distance,
-            &finest,
-            &view.vergence_view,
             view.luma.as_entire_binding(),
-        ));
-        pass.run(recorder, &plain, &entries, pixels);
+        );
+        let vergence_view = &view.vergence_view;
+        match *source {
+            Source::Scene(colour, depth) => {
+                let entries = BindGroupEntries::sequential((
+                    uniform,
+                    colour,
+                    depth,
+                    &finest,
+                    vergence_view,
+                    luma,
+                ));
+                self.scene.run(recorder, &plain, &entries, pixels);
+            }
+            Source::Photo(colour, vergence, numbers) => {
+                let place = recorder
+                    .device
+                    .create_buffer_with_data(&BufferInitDescriptor {
+                        label: Some("photograph"),
+                        contents: bytemuck::bytes_of(&numbers),
+                        usage: BufferUsages::UNIFORM,
+                    });
+                let entries = BindGroupEntries::sequential((
+                    uniform,
+                    colour,
+                    vergence,
+                    &finest,
+                    vergence_view,
+                    luma,
+                    place.as_entire_binding(),
+                ));
+                self.photo.run(recorder, &plain, &entries, pixels);
+            }
+        }
         for level in 1..mip_levels(size.x, size.y) {
             let (finer, coarser) = (view.level(level - 1), view.level(level));
             let entries = BindGroupEntries::sequential((&finer, &coarser));

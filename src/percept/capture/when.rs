@@ -86,9 +86,9 @@ pub(in crate::percept) fn drive_captures(
                 percept.forget_voxels |= percept.taken_with.2 != taken_with.2;
                 let mut has_changed =
                     is_resized || percept.is_outdated || taken_with != percept.taken_with;
+                has_changed |= sight != percept.sight;
                 if !is_photo {
-                    has_changed |= sight != percept.sight
-                        || changes.touch(layers)
+                    has_changed |= changes.touch(layers)
                         || is_recolored
                         || look.has_changed(&camera, &mut percept.look);
                 }
@@ -130,7 +130,9 @@ fn lay_out(
         None => supersampling(size, options),
     };
     let is_same_photo = match (photo, &percept.photo) {
-        (Some(photo), Some(laid)) => Arc::ptr_eq(&photo.0, &laid.photo),
+        (Some(photo), Some(laid)) => {
+            Arc::ptr_eq(&photo.photo, &laid.photo) && photo.taken_from == laid.taken_from
+        }
         (photo, laid) => photo.is_none() && laid.is_none(),
     };
     let is_resized = percept.size != size || percept.scale != scale;
@@ -146,9 +148,10 @@ fn lay_out(
             worn.draw_into(picture, scale as f32, target);
         }
         Some(photo) => {
-            let (colour, vergence, smaller_deg) = photo_images(&photo.0, size);
+            let (colour, vergence, smaller_deg) = photo_images(&photo.photo, size);
             percept.photo = Some(LaidOut {
-                photo: photo.0.clone(),
+                photo: photo.photo.clone(),
+                taken_from: photo.taken_from,
                 colour: images.add(colour),
                 vergence: images.add(vergence),
                 tan_half: (0.5 * smaller_deg.to_radians()).tan(),

@@ -3,10 +3,11 @@
 use super::super::field::SharpnessField;
 use super::super::frame::{CaptureRequest, CaptureSource, FieldMap, PerceptFrame};
 use super::super::gpu_data::{
-    FORGET, MediaUniform, PerceptUniform, default_voxel_angle_rad, mip_levels, pixels_per_radian,
+    FORGET, MediaUniform, PerceptUniform, PhotoUniform, default_voxel_angle_rad, mip_levels,
+    pixels_per_radian,
 };
 use super::super::sees_as::{SeesAs, Worn};
-use super::super::view::{Percept, QUIET_FRAMES, Stage, ViewOptions, is_shown};
+use super::super::view::{LaidOut, Percept, QUIET_FRAMES, Stage, ViewOptions, is_shown};
 use crate::anatomy::{
     Accommodation, Cornea, Effective, Eye, EyeFinder, Eyelids, Gaze, Iris, Lids, OcularMedia,
     Pupil, Refraction, VisualField,
@@ -205,6 +206,7 @@ fn frame_of(
             Some(laid) => CaptureSource::Photo {
                 colour: laid.colour.clone(),
                 vergence: laid.vergence.clone(),
+                numbers: photo_uniform(laid, percept.sight.pose),
             },
             None => CaptureSource::Scene,
         },
@@ -291,6 +293,23 @@ fn place_marker(uniform: &mut PerceptUniform, gaze: &Gaze, size: UVec2) {
             (0.5 - 0.5 * v) * size.y as f32,
         ];
         uniform.marker_radius_px = (size.min_element() as f32 * 0.022).max(5.0);
+    }
+}
+
+/// Where a view with this pose is in the frame of its photograph.
+fn photo_uniform(laid: &LaidOut, pose: Isometry3d) -> PhotoUniform {
+    let own = laid.taken_from.inverse() * pose;
+    let axis = |axis: Vec3| (own.rotation * axis).to_array();
+    // The shader's farthest.
+    let flat_m = laid.photo.depth_m.constant_m().unwrap_or(0.0).min(1e9);
+    PhotoUniform {
+        right: axis(Vec3::X),
+        up: axis(Vec3::Y),
+        back: axis(Vec3::Z),
+        eye_m: Vec3::from(own.translation).to_array(),
+        has_moved: u32::from(pose != laid.taken_from),
+        flat_m,
+        ..PhotoUniform::default()
     }
 }
 

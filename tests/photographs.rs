@@ -1,0 +1,200 @@
+//! A photograph from where the head has gone: what is seen where, against exact geometry.
+
+use crate::stage::{alone, open, patient, settle, without_blinks};
+use bevy::math::{DMat3, DVec2, DVec3, UVec2};
+use ocularium::lab::headless::{Headless, Which};
+use ocularium::patients::PupilSetting;
+use ocularium::scene::catalog::LoadedScene;
+use ocularium::scene::photo::{PhotoDepth, PhotoScene};
+use ocularium::stage::{Head, Session};
+use std::sync::Arc;
+
+const SIDE: u32 = 160;
+const FOV_DEG: f32 = 50.0;
+/// A card this far off, before a wall.
+const CARD_M: f64 = 1.0;
+const WALL_M: f64 = 3.0;
+/// Half the card's side, as a share of half the picture's.
+const CARD_SHARE: f64 = 0.35;
+const MOVED: Head = Head {
+    place_m: bevy::math::Vec3::new(0.15, 0.06, 0.3),
+    yaw_deg: 9.0,
+    pitch_deg: -4.0,
+};
+
+fn tan_half() -> f64 {
+    (0.5 * f64::from(FOV_DEG).to_radians()).tan()
+}
+
+/// Where a direction is in the picture, from −1 to 1 to the right and up; `None` beside it.
+fn place(direction: DVec3) -> Option<DVec2> {
+    let at = DVec2::new(direction.x, direction.y) / (-direction.z * tan_half());
+    (direction.z < 0.0 && at.abs().max_element() < 1.0).then_some(at)
+}
+
+fn ray(x: u32, y: u32) -> DVec3 {
+    let at = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(SIDE) - 1.0;
+    DVec3::new(at(x) * tan_half(), -at(y) * tan_half(), -1.0).normalize()
+}
+
+/// A photograph whose red grows to the right and whose green grows downwards.
+fn photograph(depth_m: PhotoDepth) -> LoadedScene {
+    let code = |i: u32| ((i * 2 + 1) * 65_535 / (2 * SIDE)) as u16;
+    let texels = (0..SIDE * SIDE).flat_map(|i| [code(i % SIDE), code(i / SIDE), 20_000]);
+    LoadedScene::Photo(Arc::new(PhotoScene {
+        name: "card".into(),
+        width: SIDE,
+        height: SIDE,
+        rgb16_srgb: texels.collect(),
+        depth_m,
+        vertical_fov_deg: FOV_DEG,
+        mean_luminance_cd_m2: 100.0,
+        remarks: Vec::new(),
+    }))
+}
+
+fn is_on_card(at: DVec2, margin: f64) -> bool {
+    at.abs().max_element() < CARD_SHARE + margin
+}
+
+fn card_before_wall() -> PhotoDepth {
+    let distances = (0..SIDE * SIDE).map(|i| {
+        let ray = ray(i % SIDE, i / SIDE);
+        let on_card = place(ray).is_some_and(|at| is_on_card(at, 0.0));
+        (if on_card { CARD_M } else { WALL_M / -ray.z }) as f32
+    });
+    PhotoDepth::Map(distances.collect())
+}
+
+/// The eye and its axes (right, up, back) in the photograph's frame.
+fn pose(head: &Head) -> (DVec3, DMat3) {
+    let place = head.place_m.as_dvec3() * DVec3::new(1.0, 1.0, -1.0);
+    let turned = DMat3::from_rotation_y(-f64::from(head.yaw_deg).to_radians())
+        * DMat3::from_rotation_x(f64::from(head.pitch_deg).to_radians());
+    (place, turned)
+}
+
+/// Along a ray that begins within it, where a sphere about the photograph's origin is met.
+fn sphere(eye: DVec3, direction: DVec3, radius: f64) -> f64 {
+    let along = eye.dot(direction);
+    (along * along + radius * radius - eye.length_squared()).sqrt() - along
+}
+
+/// Distance of what is met, and where in the picture it is. `Err(true)` where nothing is met, `Err(false)`
+/// where that hangs on less than two texels.
+fn met(head: &Head, x: u32, y: u32) -> Result<(f64, DVec2), bool> {
+    let (eye, axes) = pose(head);
+    let direction = axes * ray(x, y);
+    let margin = 4.0 / f64::from(SIDE);
+    let card_m = sphere(eye, direction, CARD_M);
+    let on_card = place(eye + card_m * direction);
+    if let Some(at) = on_card.filter(|at| is_on_card(*at, margin)) {
+        return if is_on_card(at, -margin) {
+            Ok((card_m, at))
+        } else {
+            Err(false)
+        };
+    }
+    if direction.z >= 0.0 {
+        return Err(true);
+    }
+    let wall_m = (-WALL_M - eye.z) / direction.z;
+    match place(eye + wall_m * direction) {
+        None => Err(true),
+        Some(at) if is_on_card(at, -margin) => Err(true),
+        Some(at) if is_on_card(at, margin) || at.abs().max_element() > 1.0 - margin => Err(false),
+        Some(at) => Ok((wall_m, at)),
+    }
+}
+
+fn see(scene: LoadedScene, head: Head) -> Headless {
+    let mut who = patient("healthy-brown");
+    who.pupil = PupilSetting::Fixed(1.0);
+    let session = Session::new(who, scene, 5);
+    let mut headless = open(session, UVec2::splat(16), UVec2::splat(SIDE), [false, true]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    let before = headless.work().view_captures;
+    headless.set_head(head);
+    headless.go_to(0.3);
+    settle(&mut headless);
+    headless.go_to(0.6);
+    assert!(headless.work().view_captures > before, "it was taken again");
+    headless
+}
+
+/// Share of the pixels at which the distance is wrong, and the largest error of the others' colour in codes.
+fn faults(headless: &Headless, head: &Head) -> (f64, f64) {
+    let vergences = headless.percept().captured().vergence_d.clone();
+    let picture = headless.panel(Which::View).expect("a picture");
+    let (mut judged, mut wrong, mut worst) = (0.0, 0.0, 0.0f64);
+    for y in 0..SIDE {
+        for x in 0..SIDE {
+            let found = f64::from(vergences[(y * SIDE + x) as usize]);
+            let is_right = match met(head, x, y) {
+                Err(false) => continue,
+                Err(true) => found == 0.0,
+                // A texel of the wall is 0.7 % of its distance deep.
+                Ok((distance_m, at)) => {
+                    let is_right = (found * distance_m - 1.0).abs() < 0.012;
+                    // What blur mixes in from beside is not told apart.
+                    if is_right && !is_on_card(at, 0.12) && at.abs().max_element() < 0.88 {
+                        let code = |share: f64| 127.5 * (1.0 + share);
+                        let pixel = picture.get_pixel(x, y).0.map(f64::from);
+                        let error = DVec2::new(pixel[0] - code(at.x), pixel[1] - code(-at.y));
+                        worst = worst.max(error.abs().max_element());
+                    }
+                    is_right
+                }
+            };
+            judged += 1.0;
+            wrong += f64::from(u8::from(!is_right));
+        }
+    }
+    assert!(judged > 0.7 * f64::from(SIDE * SIDE), "{judged}");
+    (wrong / judged, worst)
+}
+
+#[test]
+fn a_photograph_with_distances_is_seen_from_where_the_head_goes() {
+    let _alone = alone();
+    let headless = see(photograph(card_before_wall()), MOVED);
+    let (wrong, colour) = faults(&headless, &MOVED);
+    println!(
+        "{:.2} % of the distances wrong, colours within {colour:.1} codes",
+        100.0 * wrong
+    );
+    assert!(wrong < 0.003, "{wrong}");
+    assert!(colour < 3.0, "{colour}");
+    // A head 3 cm beside sees another picture.
+    let mut beside = MOVED;
+    beside.place_m.x += 0.03;
+    let (wrong, _) = faults(&headless, &beside);
+    assert!(wrong > 0.02, "{wrong}");
+}
+
+#[test]
+fn a_flat_photograph_keeps_its_distance() {
+    let _alone = alone();
+    let headless = see(photograph(PhotoDepth::Constant(2.0)), MOVED);
+    let (eye, axes) = pose(&MOVED);
+    let vergences = &headless.percept().captured().vergence_d;
+    let mut inside = 0;
+    for y in 0..SIDE {
+        for x in 0..SIDE {
+            let direction = axes * ray(x, y);
+            let distance_m = sphere(eye, direction, 2.0);
+            let found = f64::from(vergences[(y * SIDE + x) as usize]);
+            let edge = |at: DVec2| at.abs().max_element();
+            match place(eye + distance_m * direction) {
+                Some(at) if edge(at) < 0.999 => {
+                    inside += 1;
+                    assert!((found * distance_m - 1.0).abs() < 1e-5, "{x}, {y}: {found}");
+                }
+                None => assert!(found == 0.0 || (found * distance_m - 1.0).abs() < 1e-5),
+                Some(_) => {}
+            }
+        }
+    }
+    assert!(inside > 10_000, "{inside}");
+}
