@@ -301,7 +301,7 @@ pub fn run() -> ExitCode {
         // SAFETY: this is the program's only thread so far.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
-    match obey(cli, &matches) {
+    match execute(cli, &matches) {
         Ok(code) => code,
         Err(error) => {
             complain(&error);
@@ -310,7 +310,7 @@ pub fn run() -> ExitCode {
     }
 }
 
-fn obey(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
+fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
     match cli.command {
         None => {
             return window::open(&cli.shown, cli.link.as_deref(), matches);

@@ -2,7 +2,7 @@
 
 use super::windowed;
 use crate::frame::SimulationClock;
-use crate::patients::DressedPatient;
+use crate::patients::PatientReader;
 use crate::scene::catalog::LoadedScene;
 use crate::stage::{Stage, StageView};
 use crate::ui::link_state::LinkState;
@@ -19,14 +19,14 @@ pub fn run() {
             let mut app = windowed::windowed_app(session, start);
             app.world_mut().resource_mut::<UiState>().message =
                 (!refused.is_empty()).then(|| refused.join("\n"));
-            app.add_systems(Last, tell_page);
+            app.add_systems(Last, publish_state);
             app.run();
         }
-        Err(message) => tell("oculariumError", &JsValue::from_str(&message)),
+        Err(message) => set_global("oculariumError", &JsValue::from_str(&message)),
     }
 }
 
-fn tell(name: &str, value: &JsValue) {
+fn set_global(name: &str, value: &JsValue) {
     if let Some(window) = web_sys::window() {
         // Setting a property of the page's window cannot fail.
         let _ = js_sys::Reflect::set(&window, &JsValue::from_str(name), value);
@@ -34,11 +34,11 @@ fn tell(name: &str, value: &JsValue) {
 }
 
 /// Four times a second the page learns where things are and how they move.
-fn tell_page(
+fn publish_state(
     clock: Res<SimulationClock>,
     stage: Res<Stage>,
     view: StageView,
-    dressed: DressedPatient,
+    dressed: PatientReader,
     ui: Res<UiState>,
     readiness: Res<crate::frame::readiness::Readiness>,
     time: Res<Time<Real>>,
@@ -50,7 +50,7 @@ fn tell_page(
         return;
     };
     if let Some(error) = readiness.errors().first() {
-        tell("oculariumError", &JsValue::from_str(error));
+        set_global("oculariumError", &JsValue::from_str(error));
     }
     if clock.ready && clock.time_s > 0.0 {
         *live_frames += 1;
@@ -105,11 +105,11 @@ fn tell_page(
         "places": places,
         "panels": { "eye": rectangle(0), "view": rectangle(1) },
     });
-    tell("oculariumState", &JsValue::from_str(&message.to_string()));
+    set_global("oculariumState", &JsValue::from_str(&message.to_string()));
     // Three frames after time began, the picture on screen is a live one.
     if *live_frames >= 3 && !*announced {
         *announced = true;
-        tell("oculariumReady", &JsValue::TRUE);
+        set_global("oculariumReady", &JsValue::TRUE);
         if let Some(root) = web_sys::window()
             .and_then(|window| window.document())
             .and_then(|document| document.document_element())
@@ -122,5 +122,5 @@ fn tell_page(
 
 /// Tells the page what stops the app.
 pub(super) fn fail(sentence: &str) {
-    tell("oculariumError", &JsValue::from_str(sentence));
+    set_global("oculariumError", &JsValue::from_str(sentence));
 }

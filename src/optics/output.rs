@@ -33,13 +33,25 @@ pub fn output_transform(linear_rgb: DVec3, exposure: f64) -> DVec3 {
 
 /// sRGB-encoded from linear, both 0 to 1 (input is clamped).
 pub fn linear_to_srgb(linear_rgb: DVec3) -> DVec3 {
-    clamp_channels(linear_rgb, 1.0).map(|c| {
-        if c <= 0.003_130_8 {
-            12.92 * c
-        } else {
-            1.055 * c.powf(1.0 / 2.4) - 0.055
-        }
-    })
+    clamp_channels(linear_rgb, 1.0).map(srgb_encode)
+}
+
+/// One channel of linear light, 0 to 1, as sRGB encodes it (IEC 61966-2-1).
+pub fn srgb_encode(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+/// One sRGB channel, 0 to 1, as linear light (IEC 61966-2-1).
+pub fn srgb_decode(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// Each channel clamped to 0 to `highest`; what is not a number becomes 0.

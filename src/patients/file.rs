@@ -86,7 +86,7 @@ macro_rules! patient_file {
         /// As a component it makes its entity that patient, with two eyes, and is gone: see
         /// [`crate::patients`].
         #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[component(on_insert = super::dress::dress_entity)]
+        #[component(on_insert = super::components::replace_with_components)]
         #[serde(deny_unknown_fields, default)]
         pub struct PatientFile {
             $($(#[$text_doc])* pub $text: $text_type,)+

@@ -4,12 +4,12 @@
 //! component it makes its entity that person, with two eyes ([`crate::anatomy`]) and the conditions
 //! that they have ([`crate::conditions`]), and is gone.
 
-mod dress;
+mod components;
 mod file;
 mod parse;
 mod presets;
 
-pub use dress::DressedPatient;
+pub use components::PatientReader;
 pub use file::{CONDITIONS, EyeFile, FIELDS, Field, PatientFile, PupilSetting};
 #[cfg(feature = "app")]
 pub(crate) use parse::parse_unchecked;

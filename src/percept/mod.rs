@@ -47,7 +47,7 @@ impl Plugin for PerceptPlugin {
             .register_type::<SeesAs>()
             .register_type::<ViewOptions>()
             .register_type::<SharpnessField>()
-            .add_observer(sees_as::dismiss_presenters)
+            .add_observer(sees_as::despawn_presenters)
             .add_systems(
                 Update,
                 view::receive
@@ -60,8 +60,8 @@ impl Plugin for PerceptPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    sees_as::take_off,
-                    sees_as::put_on,
+                    sees_as::detach,
+                    sees_as::attach,
                     sees_as::follow_changes,
                     sees_as::measure_targets,
                     capture::sight::notice,

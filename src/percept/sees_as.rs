@@ -111,7 +111,7 @@ type Wearer<'a> = (
 );
 
 /// Takes cameras that have begun to see as somebody does out of Bevy's hands.
-pub(super) fn put_on(
+pub(super) fn attach(
     mut cameras: Query<Wearer, (With<SeesAs>, Without<Worn>)>,
     mut images: ResMut<Assets<Image>>,
     mut commands: Commands,
@@ -130,7 +130,7 @@ pub(super) fn put_on(
             picture: None,
             size: UVec2::ZERO,
         };
-        employ(&mut worn, camera.order, &mut images, &mut commands);
+        spawn_presenter(&mut worn, camera.order, &mut images, &mut commands);
         commands
             .entity(entity)
             .insert((worn, Msaa::Off, Tonemapping::None));
@@ -138,7 +138,12 @@ pub(super) fn put_on(
 }
 
 /// Gives a view a presenter, where it needs one.
-fn employ(worn: &mut Worn, order: isize, images: &mut Assets<Image>, commands: &mut Commands) {
+fn spawn_presenter(
+    worn: &mut Worn,
+    order: isize,
+    images: &mut Assets<Image>,
+    commands: &mut Commands,
+) {
     if !worn.is_handed_on() {
         return;
     }
@@ -206,7 +211,7 @@ pub(super) fn follow_changes(
                     }
                 }
             }
-            None => employ(&mut worn, camera.order, &mut images, &mut commands),
+            None => spawn_presenter(&mut worn, camera.order, &mut images, &mut commands),
         }
     }
 }
@@ -221,7 +226,7 @@ type Worner<'a> = (
 );
 
 /// Gives cameras that no longer see as somebody does back to Bevy.
-pub(super) fn take_off(mut cameras: Query<Worner, Without<SeesAs>>, mut commands: Commands) {
+pub(super) fn detach(mut cameras: Query<Worner, Without<SeesAs>>, mut commands: Commands) {
     for (entity, worn, mut camera, mut camera_3d, mut target) in &mut cameras {
         camera_3d.depth_texture_usages = worn.depth_usages.into();
         *target = worn.target.clone();
@@ -241,7 +246,7 @@ pub(super) fn take_off(mut cameras: Query<Worner, Without<SeesAs>>, mut commands
 }
 
 /// A camera's presenter goes with it.
-pub(super) fn dismiss_presenters(
+pub(super) fn despawn_presenters(
     removed: On<Remove, Worn>,
     worn: Query<&Worn>,
     mut commands: Commands,

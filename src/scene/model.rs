@@ -4,6 +4,7 @@
 //! mesh needs no transform. Photometry is absolute: emission in cd/m², illuminance in lux, flux in
 //! lumens; one white matt surface (albedo 1) under illuminance `E` has luminance `E / π`.
 
+use crate::optics::output::{srgb_decode, srgb_encode};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -440,16 +441,8 @@ pub enum SceneError {
 /// One sRGB byte as linear light, 0–1 (IEC 61966-2-1).
 pub fn srgb_to_linear(value: u8) -> f32 {
     // There are only 256 answers, and scenes ask for millions.
-    static ANSWERS: LazyLock<[f32; 256]> = LazyLock::new(|| {
-        std::array::from_fn(|value| {
-            let encoded = value as f32 / 255.0;
-            if encoded <= 0.040_45 {
-                encoded / 12.92
-            } else {
-                ((encoded + 0.055) / 1.055).powf(2.4)
-            }
-        })
-    });
+    static ANSWERS: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|value| srgb_decode(value as f64 / 255.0) as f32));
     ANSWERS[usize::from(value)]
 }
 
@@ -457,15 +450,7 @@ pub fn srgb_to_linear(value: u8) -> f32 {
 pub fn srgb16_to_linear(value: u16) -> f32 {
     static ANSWERS: LazyLock<Vec<f32>> = LazyLock::new(|| {
         (0..=u16::MAX)
-            .map(|value| {
-                let encoded = f64::from(value) / 65_535.0;
-                let linear = if encoded <= 0.040_45 {
-                    encoded / 12.92
-                } else {
-                    ((encoded + 0.055) / 1.055).powf(2.4)
-                };
-                linear as f32
-            })
+            .map(|value| srgb_decode(f64::from(value) / 65_535.0) as f32)
             .collect()
     });
     ANSWERS[usize::from(value)]
@@ -520,12 +505,7 @@ impl SrgbCodes {
 }
 
 fn encode_srgb(linear: f32) -> u8 {
-    let encoded = if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    };
-    (encoded * 255.0).round() as u8
+    (srgb_encode(linear.into()) * 255.0).round() as u8
 }
 
 /// Luminance of a linear sRGB colour (Rec. 709 weights).

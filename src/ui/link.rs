@@ -140,7 +140,7 @@ pub(super) fn keep_promises(
     not(target_arch = "wasm32"),
     expect(dead_code, reason = "only a page's link changes")
 )]
-fn obey(link: &str, state: &mut UiState, controlled: &mut Controlled, still: &mut StandStill) {
+fn show_link(link: &str, state: &mut UiState, controlled: &mut Controlled, still: &mut StandStill) {
     let (wanted, refused) = LinkState::parse(link);
     state.message = (!refused.is_empty()).then(|| refused.join("\n"));
     if controlled.patient().as_ref() != Some(&wanted.patient) {
@@ -173,7 +173,7 @@ pub(super) fn read_page(
 ) {
     let there = super::host::fragment();
     if written.0.as_ref().is_some_and(|ours| *ours != there) {
-        obey(&there, &mut state, &mut controlled, &mut still);
+        show_link(&there, &mut state, &mut controlled, &mut still);
         // Whoever reads it has it; what of it could not be obeyed goes with the next writing.
         written.0 = Some(there);
     }

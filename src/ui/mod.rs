@@ -86,7 +86,7 @@ impl Plugin for UiPlugin {
             )
             .add_systems(
                 Update,
-                (obey_requests, save::finish, link::keep_promises)
+                (handle_requests, save::finish, link::keep_promises)
                     .chain()
                     .after(EyeSystems::Sense)
                     .before(EyeSystems::Decide),
@@ -129,7 +129,7 @@ fn preset_shown(shown: &PatientFile) -> Option<usize> {
     clippy::too_many_arguments,
     reason = "one argument a thing that is asked for"
 )]
-fn obey_requests(
+fn handle_requests(
     mut requests: MessageReader<Request>,
     mut saving: ResMut<save::Saving>,
     mut own: ResMut<OwnScene>,
@@ -151,7 +151,7 @@ fn obey_requests(
             Request::CopyLink => {
                 let text = copied_link(&state, &app);
                 match host::copy_text(&mut clipboard, &text) {
-                    Ok(()) => state.tell(copied_notice(&app)),
+                    Ok(()) => state.notify(copied_notice(&app)),
                     Err(sentence) => state.message = Some(sentence),
                 }
             }

@@ -90,7 +90,7 @@ pub(super) fn receive(
     for arrival in host::take() {
         match arrival {
             Arrival::Files(files) => own.read(Arc::new(files), Placement::default()),
-            Arrival::Said(sentence) => state.tell(sentence),
+            Arrival::Said(sentence) => state.notify(sentence),
         }
     }
     let Some(mut reading) = own.reading.take() else {

@@ -4,8 +4,8 @@ use crate::frame::SimulationClock;
 use crate::frame::ledger::{Work, WorkLedger};
 use crate::motion::engine::GazeCommand;
 use crate::motion::{GazeController, MotionCommand};
-use crate::patients::{DressedPatient, PatientFile};
 use crate::patients::{PRESETS, load_patient};
+use crate::patients::{PatientFile, PatientReader};
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::stage::{Panels, SessionCommand, Stage, StageView};
 use bevy::ecs::system::SystemParam;
@@ -148,7 +148,7 @@ pub struct Controlled<'w, 's> {
     pub(super) panels: Panels<'w, 's>,
     pub(super) images: ResMut<'w, Assets<Image>>,
     pub(super) view: StageView<'w, 's>,
-    pub(super) dressed: DressedPatient<'w, 's>,
+    pub(super) dressed: PatientReader<'w, 's>,
     pub(super) ledger: Res<'w, WorkLedger>,
     pub(super) session_commands: MessageWriter<'w, SessionCommand>,
     pub(super) motion_commands: MessageWriter<'w, MotionCommand>,
@@ -162,7 +162,7 @@ pub(super) struct Shown<'w, 's> {
     pub(super) clock: Res<'w, SimulationClock>,
     pub(super) panels: Panels<'w, 's>,
     pub(super) view: StageView<'w, 's>,
-    dressed: DressedPatient<'w, 's>,
+    dressed: PatientReader<'w, 's>,
 }
 
 impl Shown<'_, '_> {
@@ -214,7 +214,7 @@ impl Controlled<'_, '_> {
 
 impl UiState {
     /// Tells the user something that needs no answer.
-    pub(super) fn tell(&mut self, sentence: String) {
+    pub(super) fn notify(&mut self, sentence: String) {
         self.notice = Some((sentence, None));
     }
 

@@ -279,7 +279,7 @@ impl Oculomotor {
         self.unrest_mm = Approach::rest(self.unrest_target_mm());
     }
 
-    pub(super) fn obey(&mut self, command: GazeCommand) {
+    pub(super) fn apply_command(&mut self, command: GazeCommand) {
         match command {
             GazeCommand::Auto => {
                 self.mode = Mode::Auto;

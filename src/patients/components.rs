@@ -1,7 +1,7 @@
 //! From a patient file to entities, and back.
 //!
 //! Enters: a [`PatientFile`], put on an entity. Leaves: that entity as a person with two eyes; the file
-//! itself is gone, so that every number has one owner. [`DressedPatient`] reads a person's file back
+//! itself is gone, so that every number has one owner. [`PatientReader`] reads a person's file back
 //! from her components.
 
 use super::file::{ConditionParts, PatientFile, PupilSetting};
@@ -129,7 +129,7 @@ impl PatientFile {
 
     /// Makes an entity this person. Eyes that she has already become those of the file; conditions of
     /// the person herself, which no file sets, stay.
-    fn dress(self, person: &mut EntityWorldMut) {
+    fn write_to(self, person: &mut EntityWorldMut) {
         let held_mm = person
             .get::<PupilControl>()
             .and_then(|control| control.held_mm);
@@ -186,14 +186,14 @@ fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
 }
 
 /// Takes a file off the entity that it was put on, and makes that entity the patient.
-pub(super) fn dress_entity(mut world: DeferredWorld, context: HookContext) {
+pub(super) fn replace_with_components(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     world.commands().queue(move |world: &mut World| {
         let Ok(mut person) = world.get_entity_mut(entity) else {
             return;
         };
         if let Some(file) = person.take::<PatientFile>() {
-            file.dress(&mut person);
+            file.write_to(&mut person);
         }
     });
 }
@@ -234,12 +234,12 @@ type EyeParts = (
 
 /// Reads the files of people from their components.
 #[derive(SystemParam)]
-pub struct DressedPatient<'w, 's> {
+pub struct PatientReader<'w, 's> {
     people: Query<'w, 's, PersonParts>,
     eyes: Query<'w, 's, EyeParts>,
 }
 
-impl DressedPatient<'_, '_> {
+impl PatientReader<'_, '_> {
     /// The file that makes this person; `None` where the entity is none.
     pub fn file(&self, patient: Entity) -> Option<PatientFile> {
         let (patient, skin, field, pupil, eyes, conditions) = self.people.get(patient).ok()?;
@@ -316,7 +316,7 @@ mod tests {
 
     fn read_back(world: &mut World, patient: Entity) -> PatientFile {
         world
-            .run_system_once(move |dressed: DressedPatient| dressed.file(patient))
+            .run_system_once(move |dressed: PatientReader| dressed.file(patient))
             .expect("it runs")
             .expect("a patient")
     }
