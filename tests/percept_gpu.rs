@@ -5,6 +5,8 @@ use crate::stage::{alone, engine, look, luma_at, open, patient, settle, without_
 use bevy::math::{UVec2, Vec2};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 use ocularium::anatomy::Laterality;
+use ocularium::conditions::glaucoma::LEAST_MEAN_DEVIATION_DB;
+use ocularium::conditions::{Glaucoma, GlaucomaStage};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
 use ocularium::patients::{PatientFile, PupilSetting};
@@ -267,7 +269,15 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
         glaucoma: None,
         ..glaucoma.clone()
     };
-    let [whole, lost] = [healthy, glaucoma].map(|file| {
+    let blind = PatientFile {
+        glaucoma: Some(Glaucoma::mean_deviation(LEAST_MEAN_DEVIATION_DB)),
+        ..glaucoma.clone()
+    };
+    let tunnel = PatientFile {
+        glaucoma: Some(GlaucomaStage::Severe.into()),
+        ..glaucoma.clone()
+    };
+    let [whole, lost, tunnel, blind] = [healthy, glaucoma, tunnel, blind].map(|file| {
         run.headless
             .command(SessionCommand::Patient(Box::new(file)));
         run.headless.go_to(0.0);
@@ -315,4 +325,17 @@ fn glaucoma_takes_the_lost_field(run: &mut Run) {
         best.map(|(index, _)| index)
     };
     assert_eq!(most(&means[2..]), most(&missing), "{means:?} {missing:?}");
+    // Where nothing is left there is nothing to fill in from.
+    let mean = |picture: &RgbaImage| {
+        let pixels = picture.enumerate_pixels();
+        pixels.map(|(x, y, _)| luma_at(picture, x, y)).sum::<f64>() / f64::from(160 * 160)
+    };
+    let lights = [&whole, &lost, &tunnel, &blind].map(mean);
+    println!("healthy, moderate, severe, blind: {lights:.1?}");
+    assert!(
+        lights[2] > 0.6 * lights[0] && lights[2] < lights[1],
+        "{lights:?}"
+    );
+    // A fifteenth of the light, and that blurred.
+    assert!(lights[3] < 0.29 * lights[0], "{lights:?}");
 }

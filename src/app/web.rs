@@ -82,7 +82,7 @@ fn publish_state(
         LoadedScene::Model(model) => model.bounds().map(|(low, high)| high[0] - low[0]),
         LoadedScene::Photo(_) => None,
     };
-    let (state, orbit) = (controller.state(), view.orbit());
+    let (state, orbit, head) = (controller.state(), view.orbit(), view.head());
     let message = serde_json::json!({
         "time_s": clock.time_s,
         "paused": clock.paused,
@@ -100,6 +100,7 @@ fn publish_state(
         "seed": controller.seed().to_string(),
         "speed": clock.speed,
         "orbit": [orbit.azimuth_deg, orbit.elevation_deg, orbit.distance_mm],
+        "head": [head.place_m.x, head.place_m.y, head.place_m.z, head.yaw_deg, head.pitch_deg],
         "message": ui.message,
         "notice": ui.notice.as_ref().map(|(sentence, _)| sentence),
         "places": places,

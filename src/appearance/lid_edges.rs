@@ -126,6 +126,44 @@ mod tests {
     }
 
     #[test]
+    fn a_hanging_lid_is_drawn_where_it_was_measured() {
+        use crate::anatomy::{Iris, IrisColor, Lids, OcularMedia, Refraction, VisualField};
+        use crate::conditions::{Affected, Condition, Ptosis};
+        let iris = Iris {
+            color: IrisColor::Brown,
+            stroma_melanin_fraction: None,
+            border_layer_melanin_fraction: None,
+            eumelanin_ratio: None,
+            depth_mm: 3.6,
+            root_radius_mm: 6.05,
+            pupil_decentration_mm: [0.2, 0.0],
+        };
+        for mrd1_mm in [4.4, 3.0, 2.0, 1.0, 0.0, -1.0, -3.0] {
+            let mut affected = Affected {
+                field: VisualField::normal(Laterality::OD, 60.0),
+                media: OcularMedia::healthy(60.0, 0.5),
+                refraction: Refraction::default(),
+                iris: iris.clone(),
+                lids: Lids::default(),
+            };
+            Ptosis { mrd1_mm }.write(&mut affected);
+            let opening = affected.lids.opening;
+            let upper = edges(Laterality::OD, Gaze::default(), opening).upper;
+            // The reflex of a light beside the observer lies before the cornea's centre of curvature, the
+            // edge is told from the entrance pupil behind it: both on an axis that points 2.5° down.
+            let behind_mm = 7.8 - 1.13 * 3.6 / 1.336;
+            let above_reflex = upper.height_mm - behind_mm * 2.5f64.to_radians().sin();
+            println!(
+                "MRD1 {mrd1_mm}: opening {opening:.3}, drawn {above_reflex:.2} mm above the reflex"
+            );
+            assert!(
+                (above_reflex - mrd1_mm).abs() < 0.3,
+                "{mrd1_mm}: {above_reflex}"
+            );
+        }
+    }
+
+    #[test]
     fn lids_follow_the_eye_down() {
         let down = Gaze {
             elevation_rad: -0.4,

@@ -50,6 +50,8 @@ pub struct FieldMap {
     pub side: u32,
     /// 0 blind to 1 seen, the highest row first.
     pub seen: Arc<Vec<f32>>,
+    /// The mean of that.
+    pub mean_seen: f32,
 }
 
 /// One frame of the view of a camera.

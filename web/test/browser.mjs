@@ -28,6 +28,7 @@ import {
   VIEWPORT,
 } from "./harness.mjs";
 import { checkOwn } from "./own.mjs";
+import { checkConditions, checkWalk } from "./people.mjs";
 import * as pixels from "./pixels.mjs";
 import { becomeTelephone, checkSizes, checkTelephone, checkWindows, DENSITIES } from "./sizes.mjs";
 
@@ -228,6 +229,8 @@ async function main() {
   if (tally.failed === 0) {
     await checkState(page);
     await checkPictures(page);
+    await checkConditions(page);
+    await checkWalk(page);
     await checkControls(page);
     await checkOwn(page);
     await checkSizes(page);

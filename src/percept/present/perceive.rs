@@ -34,6 +34,9 @@ const FIELD_HALF_DEG: f32 = 40.0;
 const LOSS_BLUR_DEG: f32 = 1.6;
 const LOSS_DARKENING: f32 = 0.28;
 const LOSS_DESATURATION: f32 = 0.5;
+/// How late a field that is lost goes dark: the power of the share of it that is. A choice: with half of the
+/// field 6 % of what filling-in leaves is gone, with all of it everything.
+const LOSS_BLINDNESS_POWER: i32 = 4;
 
 impl Percept {
     /// [`media_uniform`], worked out where something has changed.
@@ -187,7 +190,8 @@ fn frame_of(
         place_marker(&mut uniform, gaze, shows.size);
     }
     if let Some(field) = field.filter(|field| !field.is_whole()) {
-        loss_numbers(&mut uniform, &field);
+        let mean_seen = percept.field.as_ref().map_or(1.0, |map| map.mean_seen);
+        loss_numbers(&mut uniform, &field, mean_seen);
     }
 
     let visible = shows.visible;
@@ -339,12 +343,14 @@ fn media_uniform(media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform 
 }
 
 /// What a lost field adds beyond what is not seen (Nießner 2013, section 3: the penalty).
-fn loss_numbers(uniform: &mut PerceptUniform, field: &VisualField) {
+fn loss_numbers(uniform: &mut PerceptUniform, field: &VisualField, mean_seen: f32) {
     // The healthy slope is one minute of arc in E2; the uniform adds what exceeds it.
     let slope = uniform.neural_floor_rad / uniform.eccentricity_e2_rad;
     uniform.eccentricity_penalty = (field.eccentricity_factor() as f32 - 1.0).max(0.0) * slope;
     uniform.loss_blur_rad = LOSS_BLUR_DEG.to_radians();
-    uniform.loss_darkening = LOSS_DARKENING;
+    // What is lost is filled in from what is seen; where hardly anything is, it is dark.
+    let blindness = (1.0 - mean_seen).powi(LOSS_BLINDNESS_POWER);
+    uniform.loss_darkening = LOSS_DARKENING + (1.0 - LOSS_DARKENING) * blindness;
     uniform.loss_desaturation = LOSS_DESATURATION;
 }
 
@@ -356,10 +362,12 @@ fn update_field_map(percept: &mut Percept, field: Option<&Ref<VisualField>>) {
     if percept.field.as_ref().is_some_and(|map| *map.of == **field) {
         return;
     }
+    let seen = field_texels(field);
     percept.field = Some(FieldMap {
         of: Arc::new((**field).clone()),
         side: FIELD_SIDE,
-        seen: Arc::new(field_texels(field)),
+        mean_seen: seen.iter().sum::<f32>() / seen.len() as f32,
+        seen: Arc::new(seen),
     });
 }
 

@@ -163,6 +163,7 @@ fn condition<C: Condition>(
         let slider = ui
             .add(slider.text(control.name))
             .on_hover_text(control.meaning);
+        state.places.insert(control.name, slider.rect);
         if slider.changed() {
             (control.set)(own, value);
         }

@@ -1,0 +1,109 @@
+// What one person's state does to both panels: a head that walks, a condition that begins and worsens.
+import assert from "node:assert/strict";
+import { check, MOTION_LIMIT_S, PANELS, published, readState, screenshot, until } from "./harness.mjs";
+import * as pixels from "./pixels.mjs";
+
+/** Both panels at the next moment, cut out of a screenshot. */
+async function panels(page, name) {
+  await published(page, 2);
+  const { panels: places } = await readState(page);
+  const whole = await screenshot(page, name);
+  return Object.fromEntries(PANELS.map((panel) => [panel, pixels.crop(whole, places[panel])]));
+}
+
+const changes = (a, b) => Object.fromEntries(PANELS.map((panel) => [panel, pixels.changedFraction(a[panel], b[panel])]));
+
+async function setPaused(page, wanted) {
+  if ((await readState(page)).paused !== wanted) await page.keyboard.press("Space");
+  assert(await until(MOTION_LIMIT_S, async () => (await readState(page)).paused === wanted), `paused is not ${wanted}`);
+}
+
+/** While time stands still only what is done here changes a picture. */
+export async function checkWalk(page) {
+  await setPaused(page, true);
+  const before = await panels(page, "before-walking.png");
+  await check("nothing moves while time stands still", async () => {
+    const { eye, view } = changes(before, await panels(page));
+    assert(eye < pixels.CHANGED_FRACTION && view < pixels.CHANGED_FRACTION, `${eye} of the eye, ${view} of the view`);
+  });
+  await check("the keys walk, and the view goes with the head", async () => {
+    const from = (await readState(page)).head;
+    await page.keyboard.down("w");
+    const walked = await until(MOTION_LIMIT_S, async () => (await readState(page)).head[2] > from[2] + 0.3);
+    await page.keyboard.up("w");
+    assert(walked, `the head is at ${(await readState(page)).head}`);
+    const { view } = changes(before, await panels(page, "walked.png"));
+    assert(view > 0.2, `${view} of the view has changed`);
+  });
+  await check("the arrow keys turn the head", async () => {
+    const from = (await readState(page)).head;
+    await page.keyboard.down("ArrowRight");
+    const turned = await until(MOTION_LIMIT_S, async () => (await readState(page)).head[3] > from[3] + 5);
+    await page.keyboard.up("ArrowRight");
+    assert(turned, `the head is at ${(await readState(page)).head}`);
+  });
+  // The head goes back to its place.
+  await page.keyboard.press("r");
+  await setPaused(page, false);
+}
+
+/** Scrolls the controls until one of them is in reach, and says where its middle is. */
+async function reach(page, name) {
+  const inReach = async () => {
+    const { places } = await readState(page);
+    if (!places[name]) return null;
+    const [x, y, w, h] = places[name];
+    const { height } = page.viewportSize();
+    if (y > 40 && y + h < height - 20) return [x + w / 2, y + h / 2, w];
+    await page.mouse.move(x + w / 2, height / 2);
+    await page.mouse.wheel(0, y < 40 ? -150 : 150);
+    await published(page, 2);
+    return null;
+  };
+  const place = await until(MOTION_LIMIT_S, inReach);
+  assert(place, `the control ${name} is not in reach`);
+  return place;
+}
+
+export async function checkConditions(page) {
+  await setPaused(page, true);
+  const healthy = await panels(page, "without-cataract.png");
+  await check("a cataract begins by its control, and both panels show it", async () => {
+    const [x, y] = await reach(page, "anatomy");
+    await page.mouse.click(x, y);
+    const [toggleX, toggleY] = await reach(page, "cataract");
+    await page.mouse.click(toggleX, toggleY);
+    const written = await until(MOTION_LIMIT_S, () => page.evaluate(() => /cataract=\(nuclear:2\.5/.test(location.hash)));
+    assert(written, `the link is ${await page.evaluate(() => location.hash)}`);
+    const seen = await until(MOTION_LIMIT_S, async () => changes(healthy, await panels(page, "cataract.png")).view > 0.3);
+    assert(seen, "the view is as it was");
+  });
+  await check("its slider makes it worse", async () => {
+    const before = await panels(page);
+    const [x, y, w] = await reach(page, "nuclear");
+    // A slider's own part is the left of its row.
+    await page.mouse.move(x - 0.4 * w, y);
+    await page.mouse.down();
+    await published(page, 1);
+    await page.mouse.move(x - 0.12 * w, y, { steps: 4 });
+    await published(page, 1);
+    await page.mouse.up();
+    const grade = async () => Number(/nuclear:([0-9.]+)/.exec(await page.evaluate(() => location.hash))?.[1] ?? 0);
+    assert(await until(MOTION_LIMIT_S, async () => (await grade()) > 3), `the grade is ${await grade()}`);
+    const { view, eye } = changes(before, await panels(page, "worse-cataract.png"));
+    assert(view > 0.3, `${view} of the view has changed`);
+    assert(eye > pixels.CHANGED_FRACTION, `${eye} of the eye has changed`);
+  });
+  await check("without it both panels are as they were", async () => {
+    const [x, y] = await reach(page, "cataract");
+    await page.mouse.click(x, y);
+    const back = await until(MOTION_LIMIT_S, async () => {
+      const { eye, view } = changes(healthy, await panels(page, "cataract-gone.png"));
+      return eye < 0.005 && view < 0.005;
+    });
+    assert(back, "a panel keeps something of it");
+  });
+  const [x, y] = await reach(page, "anatomy");
+  await page.mouse.click(x, y);
+  await setPaused(page, false);
+}
