@@ -33,4 +33,5 @@ pub mod prelude {
     pub use crate::motion::{GazeController, MotionCommand};
     pub use crate::patients::{PatientFile, load_patient};
     pub use crate::percept::{Percept, SeesAs, SharpnessField, ViewOptions};
+    pub use crate::scene::photo_view::Photograph;
 }

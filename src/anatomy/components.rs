@@ -287,7 +287,7 @@ impl Default for Lids {
 /// What an eye has with its conditions, of something that it has of its own: [`Refraction`], [`Iris`],
 /// [`Lids`]. Whoever draws or sees reads this; a patient file, a slider or an app writes the component
 /// itself, in whatever way, and never this.
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
 pub struct Effective<C: Component>(pub C);
 
 /// A person's skin.
