@@ -1,0 +1,39 @@
+//! `check`: what there is to say of a patient file.
+
+use crate::anatomy::Laterality;
+use crate::input_file::one_clause;
+use crate::patients::PatientFile;
+
+/// What there is to say of a sound patient file: who it is, what either eye has, and what comes otherwise
+/// than written.
+pub(super) fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
+    let leading = match patient.eye {
+        Laterality::OD => "right",
+        Laterality::OS => "left",
+    };
+    let mut lines = vec![format!(
+        "{file} is sound: {}, {} years; the {leading} eye leads.",
+        one_clause(&patient.name),
+        patient.age_years
+    )];
+    for (name, eye) in [("right", Laterality::OD), ("left", Laterality::OS)] {
+        let own = patient.of_eye(eye);
+        let mut parts = vec![format!(
+            "{} D sphere, {} D cylinder",
+            own.sphere_d, own.cylinder_d
+        )];
+        parts.extend(
+            own.condition_captions()
+                .into_iter()
+                .map(|(_, caption)| caption.trim_end_matches('.').to_owned()),
+        );
+        lines.push(format!("{name} eye: {}.", parts.join("; ")));
+    }
+    lines.extend(
+        patient
+            .remarks()
+            .into_iter()
+            .map(|remark| format!("{remark}.")),
+    );
+    lines
+}

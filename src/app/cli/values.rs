@@ -1,0 +1,74 @@
+//! Values of options as a user writes them.
+
+use bevy::math::UVec2;
+use std::fmt::Display;
+use std::str::FromStr;
+
+pub(super) fn parse_size(text: &str) -> Result<UVec2, String> {
+    let wrong = || format!("{text:?} is not a size such as 1280x640, each side 16 to 8192 pixels");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let side = |side: &str| {
+        side.trim()
+            .parse::<u32>()
+            .ok()
+            .filter(|side| (16..=8192).contains(side))
+            .ok_or_else(wrong)
+    };
+    Ok(UVec2::new(side(width)?, side(height)?))
+}
+
+/// A whole number of those that `N` has.
+pub(super) fn parse_whole<N: FromStr + Bounded + Display>(text: &str) -> Result<N, String> {
+    text.trim()
+        .parse()
+        .map_err(|_| format!("{text:?} is not a whole number from 0 to {}", N::MOST))
+}
+
+/// Unsigned numbers.
+pub(super) trait Bounded: Sized {
+    /// The largest.
+    const MOST: Self;
+}
+
+impl Bounded for u64 {
+    const MOST: Self = Self::MAX;
+}
+
+impl Bounded for u8 {
+    const MOST: Self = Self::MAX;
+}
+
+pub(super) fn parse_range(text: &str, what: &str, low: f64, high: f64) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|value| *value > low && *value <= high)
+        .ok_or_else(|| format!("{text:?} is not {what} above {low} and up to {high}"))
+}
+
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_range(text, "a number of seconds", 0.0, 3600.0)
+}
+
+pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
+    parse_range(text, "a frame rate", 0.0, 1000.0)
+}
+
+pub(super) fn parse_distance(text: &str) -> Result<f32, String> {
+    text.parse::<f32>()
+        .ok()
+        .filter(|value| (35.0..=400.0).contains(value))
+        .ok_or_else(|| format!("{text:?} is not a distance of 35 to 400 mm"))
+}
+
+pub(super) fn parse_orbit(text: &str) -> Result<[f32; 2], String> {
+    let wrong = || format!("{text:?} is not AZ,EL in degrees, AZ -85 to 85 and EL -80 to 80");
+    let (azimuth, elevation) = text.split_once(',').ok_or_else(wrong)?;
+    let angle = |text: &str, most: f32| {
+        text.trim()
+            .parse::<f32>()
+            .ok()
+            .filter(|angle| angle.abs() <= most)
+            .ok_or_else(wrong)
+    };
+    Ok([angle(azimuth, 85.0)?, angle(elevation, 80.0)?])
+}
