@@ -483,3 +483,67 @@ fn what_moves_takes_its_sharpness_along() {
     println!("{forgotten:.1} forgotten");
     assert!(forgotten < 0.5 * remembered, "{forgotten}");
 }
+
+/// A screen that fills the view and shows what `image` holds.
+fn screen(world: &mut World, image: Handle<Image>) {
+    let material = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(StandardMaterial {
+            base_color_texture: Some(image),
+            unlit: true,
+            ..default()
+        });
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(6.0, 6.0, 0.01));
+    world.spawn((
+        Mesh3d(mesh),
+        MeshMaterial3d(material),
+        Transform::from_xyz(0.0, 0.0, -1.5),
+    ));
+}
+
+/// A video is an image that somebody writes: each of its pictures is seen, and costs one capture.
+#[test]
+fn a_video_is_taken_picture_by_picture() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let (_, seen) = worn(&mut headless, ann, target_image(UVec2::splat(64)), None);
+    let picture_of = |code: u8| -> Vec<u8> { [code, code, code, 255].repeat(16) };
+    let world = headless.world();
+    let video = world.resource_mut::<Assets<Image>>().add(Image::new(
+        Extent3d {
+            width: 4,
+            height: 4,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        picture_of(60),
+        TextureFormat::Rgba8UnormSrgb,
+        bevy::asset::RenderAssetUsages::default(),
+    ));
+    screen(world, video.clone());
+    headless.go_to(0.1);
+    frames(&mut headless, 12);
+    for code in [90, 130, 70, 150, 110] {
+        let before = headless.work();
+        {
+            let mut images = headless.world().resource_mut::<Assets<Image>>();
+            let mut image = images.get_mut(&video).expect("the video");
+            image.data = Some(picture_of(code));
+        }
+        frames(&mut headless, 3);
+        let captures = headless.work().since(before).view_captures;
+        assert_eq!(captures, 1, "captures of a picture");
+        let found = mean(&headless.picture(&seen).expect("a picture"));
+        assert!(
+            (found - f64::from(code)).abs() < 2.0,
+            "{found:.1} is seen of {code}"
+        );
+    }
+    // A video that stands costs nothing.
+    let before = headless.work();
+    frames(&mut headless, 5);
+    assert_eq!(headless.work().since(before).view_captures, 0);
+}
