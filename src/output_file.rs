@@ -1,7 +1,7 @@
 //! Files that are either whole or not there.
 
 use std::fs;
-use std::io;
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// A file or folder that could not be written.
@@ -30,7 +30,13 @@ pub fn prepare_folder(folder: &Path) -> Result<(), WriteError> {
             reason: "it is a file, not a folder".into(),
         });
     }
-    fs::create_dir_all(folder).map_err(refused(folder))?;
+    fs::create_dir_all(folder).map_err(|error| match error.kind() {
+        io::ErrorKind::NotADirectory => WriteError {
+            path: folder.display().to_string(),
+            reason: "a part of its path is a file, not a folder".into(),
+        },
+        _ => refused(folder)(error),
+    })?;
     let probe = folder.join(".ocularium-probe");
     fs::write(&probe, b"").map_err(refused(folder))?;
     fs::remove_file(&probe).map_err(refused(folder))
@@ -42,9 +48,9 @@ pub fn prepare_folder(folder: &Path) -> Result<(), WriteError> {
 #[derive(Debug)]
 pub struct FolderLock {
     path: PathBuf,
-    _held: fs::File,
-    /// Was a run that wrote into it killed before it was done?
-    pub is_left: bool,
+    held: fs::File,
+    /// Where a run was killed that wrote into it: how many of its files it had noted.
+    pub left: Option<u64>,
 }
 
 impl FolderLock {
@@ -54,13 +60,20 @@ impl FolderLock {
     /// Where another run writes into it, or nothing can be written.
     pub fn take(folder: &Path) -> Result<Self, WriteError> {
         let path = folder.join(".ocularium-lock");
-        let is_left = path.exists();
-        let file = fs::File::create(&path).map_err(refused(&path))?;
+        let left = fs::read_to_string(&path).ok();
+        let left = left.map(|count| count.trim().parse().unwrap_or(0));
+        // What another run has noted in it stays.
+        let file = fs::OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(refused(&path))?;
         match file.try_lock() {
             Ok(()) => Ok(Self {
                 path,
-                _held: file,
-                is_left,
+                held: file,
+                left,
             }),
             Err(fs::TryLockError::WouldBlock) => Err(WriteError {
                 path: folder.display().to_string(),
@@ -69,10 +82,24 @@ impl FolderLock {
             // A file system without locks is no reason not to write.
             Err(fs::TryLockError::Error(_)) => Ok(Self {
                 path,
-                _held: file,
-                is_left,
+                held: file,
+                left,
             }),
         }
+    }
+}
+
+impl FolderLock {
+    /// Notes how many files have been written, for the run after one that is killed.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn note(&mut self, files: u64) -> Result<(), WriteError> {
+        let noted = self
+            .held
+            .rewind()
+            .and_then(|()| write!(self.held, "{files:020}"));
+        noted.map_err(refused(&self.path))
     }
 }
 
@@ -118,12 +145,20 @@ mod tests {
             .expect_err("taken")
             .to_string();
         assert!(error.contains("another run"), "{error}");
-        assert!(!lock.is_left);
+        assert_eq!(lock.left, None);
         drop(lock);
         drop(FolderLock::take(folder.path()).expect("free again"));
         // What a killed run leaves.
-        fs::write(folder.path().join(".ocularium-lock"), b"").expect("written");
-        assert!(FolderLock::take(folder.path()).expect("free").is_left);
+        let mut killed = FolderLock::take(folder.path()).expect("free");
+        for files in [9, 10] {
+            killed.note(files).expect("noted");
+        }
+        let note = fs::read(folder.path().join(".ocularium-lock")).expect("a note");
+        drop(killed);
+        fs::write(folder.path().join(".ocularium-lock"), note).expect("written");
+        let next = FolderLock::take(folder.path()).expect("free");
+        assert_eq!(next.left, Some(10));
+        drop(next);
         assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 0);
     }
 

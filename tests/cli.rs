@@ -200,7 +200,7 @@ fn patients_are_checked_field_by_field() {
             &["cornea_p", "limbus"],
         ),
         ("kind.ron", b"(iris_color: Purple)", &["Purple", "Brown"]),
-        ("empty.ron", b"", &["empty.ron", "RON"]),
+        ("empty.ron", b"", &["empty.ron", "empty"]),
         ("cut.ron", b"(name: \"An", &["cut.ron:1:"]),
         (
             "binary.ron",

@@ -179,7 +179,7 @@ fn a_flat_photograph_keeps_its_distance() {
     let headless = see(photograph(PhotoDepth::Constant(2.0)), MOVED);
     let (eye, axes) = pose(&MOVED);
     let vergences = &headless.percept().captured().vergence_d;
-    let mut inside = 0;
+    let (mut inside, mut outside) = (0, 0);
     for y in 0..SIDE {
         for x in 0..SIDE {
             let direction = axes * ray(x, y);
@@ -191,10 +191,76 @@ fn a_flat_photograph_keeps_its_distance() {
                     inside += 1;
                     assert!((found * distance_m - 1.0).abs() < 1e-5, "{x}, {y}: {found}");
                 }
-                None => assert!(found == 0.0 || (found * distance_m - 1.0).abs() < 1e-5),
                 Some(_) => {}
+                None => {
+                    let point = eye + distance_m * direction;
+                    let at = DVec2::new(point.x, point.y) / (-point.z * tan_half());
+                    if point.z >= 0.0 || edge(at) > 1.001 {
+                        outside += 1;
+                        assert_eq!(found, 0.0, "{x}, {y}");
+                    }
+                }
             }
         }
     }
-    assert!(inside > 10_000, "{inside}");
+    assert!(inside > 10_000 && outside > 1000, "{inside}, {outside}");
+}
+
+/// What is infinitely far stands still wherever the head goes, and a near thing before it does not.
+#[test]
+fn an_infinitely_far_background_stands_behind_what_is_near() {
+    let _alone = alone();
+    let PhotoDepth::Map(mut distances) = card_before_wall() else {
+        panic!("a map");
+    };
+    for distance in &mut distances {
+        if f64::from(*distance) > CARD_M + 0.1 {
+            *distance = f32::INFINITY;
+        }
+    }
+    let headless = see(photograph(PhotoDepth::Map(distances)), MOVED);
+    let picture = headless.panel(Which::View).expect("a picture");
+    let (eye, axes) = pose(&MOVED);
+    let (mut judged, mut dark, mut worst) = (0.0, 0.0, 0.0f64);
+    for y in 0..SIDE {
+        for x in 0..SIDE {
+            let direction = axes * ray(x, y);
+            let on_card = place(eye + sphere(eye, direction, CARD_M) * direction);
+            let near_card = on_card.is_some_and(|at| is_on_card(at, 0.15));
+            let Some(at) = place(direction) else { continue };
+            if near_card || is_on_card(at, 0.15) || at.abs().max_element() > 0.85 {
+                continue;
+            }
+            judged += 1.0;
+            let pixel = picture.get_pixel(x, y).0.map(f64::from);
+            dark += f64::from(u8::from(pixel[0] + pixel[1] < 2.0));
+            let error = DVec2::new(
+                pixel[0] - 127.5 * (1.0 + at.x),
+                pixel[1] - 127.5 * (1.0 - at.y),
+            );
+            worst = worst.max(error.abs().max_element());
+        }
+    }
+    println!("{judged} of the background, {dark} dark, within {worst:.1} codes");
+    assert!(judged > 3000.0, "{judged}");
+    assert_eq!(dark, 0.0);
+    assert!(worst < 4.0, "{worst}");
+}
+
+/// Who steps back farther than a photograph is away still sees it, smaller.
+#[test]
+fn a_photograph_is_seen_from_far_behind_where_it_was_taken() {
+    let _alone = alone();
+    let back = Head {
+        place_m: bevy::math::Vec3::new(0.0, 0.0, -0.6),
+        ..Head::default()
+    };
+    let headless = see(photograph(PhotoDepth::Constant(0.4)), back);
+    let vergences = &headless.percept().captured().vergence_d;
+    let seen = vergences.iter().filter(|vergence| **vergence > 0.0).count();
+    // The middle is a metre away, and all of it under less than half the angle.
+    let middle = f64::from(vergences[(SIDE * SIDE / 2 + SIDE / 2) as usize]);
+    assert!((middle - 1.0).abs() < 1e-3, "{middle}");
+    let share = seen as f64 / f64::from(SIDE * SIDE);
+    assert!((0.1..0.25).contains(&share), "{share}");
 }

@@ -484,6 +484,38 @@ fn what_moves_takes_its_sharpness_along() {
     assert!(forgotten < 0.5 * remembered, "{forgotten}");
 }
 
+/// What changes while a view is put away is seen when it is shown again.
+#[test]
+fn a_change_behind_a_hidden_view_is_seen_later() {
+    let _alone = alone();
+    let (mut headless, cameras, _) = world(1);
+    headless.go_to(0.2);
+    frames(&mut headless, 8);
+    let show = |headless: &mut Headless, is_shown: bool| {
+        let mut options = headless.world().get_mut::<ViewOptions>(cameras[0]);
+        options.as_mut().expect("options").is_shown = is_shown;
+        frames(headless, 4);
+    };
+    let before = headless.work();
+    show(&mut headless, false);
+    show(&mut headless, true);
+    assert_eq!(
+        headless.work().since(before).view_captures,
+        0,
+        "nothing has changed"
+    );
+    show(&mut headless, false);
+    board(headless.world(), Transform::from_xyz(0.0, 0.0, -0.4));
+    frames(&mut headless, 4);
+    assert_eq!(
+        headless.work().since(before).view_captures,
+        0,
+        "nobody looks"
+    );
+    show(&mut headless, true);
+    assert_eq!(headless.work().since(before).view_captures, 1);
+}
+
 /// A screen that fills the view and shows what `image` holds.
 fn screen(world: &mut World, image: Handle<Image>) {
     let material = world

@@ -287,6 +287,9 @@ impl Condition for Glaucoma {
     }
 
     fn caption(&self) -> String {
+        if self.within_range() == 0.0 {
+            return "Glaucoma without a loss of the field.".into();
+        }
         let stage = match self.stage() {
             GlaucomaStage::Early => "Early",
             GlaucomaStage::Moderate => "Moderate",

@@ -50,7 +50,11 @@ impl Condition for Ptosis {
     }
 
     fn caption(&self) -> String {
-        format!("Ptosis, MRD1 {:.1} mm.", self.mrd1_mm)
+        if self.mrd1_mm >= USUAL_MM {
+            return "A lid at its usual place.".into();
+        }
+        let mrd1 = format!("{:.1}", self.mrd1_mm).replace('-', "−");
+        format!("Ptosis, MRD1 {mrd1} mm.")
     }
 }
 

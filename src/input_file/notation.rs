@@ -115,6 +115,7 @@ fn name_of(segment: &Segment) -> Option<String> {
 }
 
 fn fault(text: &str, path: &[String], error: ron::error::SpannedError) -> Fault {
+    let from = byte_of(text, error.span.start.line, error.span.start.col);
     let mut at = byte_of(text, error.span.end.line, error.span.end.col);
     let mut path = path.to_vec();
     let kind = match error.code {
@@ -156,7 +157,12 @@ fn fault(text: &str, path: &[String], error: ron::error::SpannedError) -> Fault 
             at = start;
             FaultKind::Value { found }
         }
-        code => match notation(&code, text) {
+        _ if let Some(comma) = decimal_comma(text, from, at) => {
+            at = comma;
+            path = Vec::new();
+            FaultKind::Notation("a number has a decimal point, as in 1.5, not a comma".into())
+        }
+        code => match notation(&code, text).or_else(|| misplaced(&code, &text[..from])) {
             Some(clause) => FaultKind::Notation(clause),
             None => {
                 let (start, found) = value_before(text, at, &path);
@@ -182,7 +188,7 @@ fn notation(code: &Error, text: &str) -> Option<String> {
         Error::ExpectedStringEnd => ends("a quotation mark is closed"),
         Error::UnclosedBlockComment => ends("a comment /* is closed by */"),
         Error::ExpectedComma => {
-            Some("a comma is missing before this, or a bracket is not closed".into())
+            Some("a comma is missing before this, or a bracket does not belong here".into())
         }
         Error::ExpectedMapColon => Some("a colon is missing after a field's name".into()),
         Error::TrailingCharacters => {
@@ -202,6 +208,31 @@ fn notation(code: &Error, text: &str) -> Option<String> {
     }
 }
 
+/// A comma between two digits next to a fault, where a field's name would follow it.
+fn decimal_comma(text: &str, from: usize, at: usize) -> Option<usize> {
+    let near = text[..at.max(from)].rfind(',')?;
+    let is_digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let name_expected = text[near + 1..at.max(from)]
+        .chars()
+        .all(|c| c.is_ascii_digit());
+    let before = text[..near].chars().next_back();
+    let after = text[near + 1..].chars().next();
+    // In a pair a comma stands between numbers.
+    let opened = text[..near].rfind(['(', '[', ':'])?;
+    (name_expected && is_digit(before) && is_digit(after) && text[opened..].starts_with(':'))
+        .then_some(near)
+}
+
+/// A name that is not there, told from what stands before the fault.
+fn misplaced(code: &Error, before: &str) -> Option<String> {
+    let behind = before.trim_end().chars().next_back();
+    (matches!(
+        code,
+        Error::ExpectedIdentifier | Error::InvalidIdentifier(_) | Error::SuggestRawIdentifier(_)
+    ) && matches!(behind, Some('(' | ',')))
+    .then(|| "a field's name is expected here, as in age_years: 40".into())
+}
+
 /// Does a value go on at this byte, of which only the beginning was taken?
 fn runs_on(text: &str, at: usize) -> bool {
     let belongs = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "._+-".contains(c));
@@ -219,18 +250,34 @@ fn key_before(text: &str, at: usize) -> Option<String> {
 /// Where the value of the field at `path` begins that ends near the byte `at`, and what it is.
 fn value_before(text: &str, at: usize, path: &[String]) -> (usize, String) {
     let name = path.iter().rev().find(|part| !part.starts_with('['));
-    let behind_name = name.and_then(|name| {
-        let key = text[..at].rfind(name.as_str())?;
-        let rest = &text[key + name.len()..];
-        let value = rest.trim_start().strip_prefix([':', '('])?.trim_start();
-        Some(text.len() - value.len())
-    });
-    let start = behind_name.unwrap_or_else(|| text.len() - text.trim_start().len());
-    (start, one_value(&text[start..]))
+    let Some(name) = name else {
+        let start = text.len() - text.trim_start().len();
+        return (start, one_value(&text[start..], false));
+    };
+    // The name with a value behind it: a value may hold the name again.
+    let is_key = |key: &usize| {
+        let rest = text[key + name.len()..].trim_start();
+        rest.starts_with([':', '('])
+    };
+    let mut keys = text[..at].rmatch_indices(name.as_str()).map(|(key, _)| key);
+    let last = text[..at].rfind(name.as_str());
+    let Some(key) = keys.find(is_key).or(last) else {
+        return (at, String::new());
+    };
+    let behind = key + name.len();
+    let rest = text[behind..].trim_start();
+    let Some(value) = rest.strip_prefix([':', '(']) else {
+        // Nothing is given.
+        return (behind, String::new());
+    };
+    let value = value.trim_start();
+    let start = text.len() - value.len();
+    (start, one_value(value, rest.starts_with('(')))
 }
 
-/// The value that a text begins with, up to the comma or bracket behind it.
-fn one_value(text: &str) -> String {
+/// The value that a text begins with, up to the comma or bracket behind it; of what stands in a word's
+/// brackets all.
+fn one_value(text: &str, in_brackets: bool) -> String {
     let (mut depth, mut quoted, mut escaped) = (0, false, false);
     let end = text.find(|c: char| {
         if quoted {
@@ -243,7 +290,7 @@ fn one_value(text: &str) -> String {
             '(' | '[' | '{' => depth += 1,
             ')' | ']' | '}' if depth == 0 => return true,
             ')' | ']' | '}' => depth -= 1,
-            ',' => return depth == 0,
+            ',' => return depth == 0 && !in_brackets,
             _ => {}
         }
         false
@@ -334,6 +381,10 @@ mod tests {
                 (1, 29),
             ),
             ("(word: Two(x))", "word.Two", "x", (1, 12)),
+            ("(word: Two(1, 2))", "word.Two", "1, 2", (1, 12)),
+            ("(word: Two)", "word.Two", "", (1, 11)),
+            ("(number: )", "number", "", (1, 10)),
+            ("(number: number)", "number", "number", (1, 10)),
         ] {
             let found = FaultKind::Value {
                 found: found.into(),
@@ -378,6 +429,13 @@ mod tests {
         for (text, part) in [
             ("(number: 1.0", "bracket"),
             ("(number: 1.0 whole: 2)", "comma"),
+            ("(number: 1,5)", "decimal point"),
+            ("(inner: (depth: 3,0))", "decimal point"),
+            ("(list: [(depth: 1,5)])", "decimal point"),
+            ("(\"number\": 1.0)", "name is expected"),
+            ("(number: 1.0,,)", "name is expected"),
+            ("(,)", "name is expected"),
+            ("(1.0)", "name is expected"),
             ("(number 1.0)", "colon"),
             ("(number: 1.0) x", "follows"),
             ("(text: \"abc", "quotation mark"),
@@ -389,6 +447,21 @@ mod tests {
                 panic!("{text}: {kind:?}");
             };
             assert!(clause.contains(part), "{text}: {clause}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_text_makes_it_fail(
+            text in "\\PC{0,60}",
+            near in "\\((number|inner|list|word|眼): ?[^:]{0,12}[,)]? ?(whole: 1,5|ä|👁)?\\)?",
+        ) {
+            for text in [text, near] {
+                if let Err(fault) = read::<Outer>(&text) {
+                    proptest::prop_assert!(fault.line >= 1 && fault.column >= 1);
+                    proptest::prop_assert!(fault.field().chars().count() < 500);
+                }
+            }
         }
     }
 

@@ -177,7 +177,7 @@ pub fn render(
     mut progress: impl FnMut(u64, u64),
 ) -> Result<RenderReport, RenderError> {
     prepare_folder(&request.out)?;
-    let lock = FolderLock::take(&request.out)?;
+    let mut lock = FolderLock::take(&request.out)?;
     let mut remarks = session.scene.remarks().to_vec();
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
@@ -202,12 +202,8 @@ pub fn render(
     let ready_after_s = started.elapsed().as_secs_f64();
 
     let total = frame_count(request.seconds, request.fps);
-    // All that a killed run left are its own; of another the report counts them.
-    let earlier = if lock.is_left {
-        u64::MAX
-    } else {
-        earlier_frames(&request.out)
-    };
+    // A killed run has noted its frames; those of another its report counts.
+    let earlier = earlier_frames(&request.out).max(lock.left.unwrap_or(0));
     let before = headless.work();
     let (mut rows, mut times_ms) = (Vec::new(), Vec::new());
     for frame in 0..total {
@@ -224,6 +220,7 @@ pub fn render(
         let png = encode_png(&picture(&headless, request)?)
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
         write_whole(&frame_path(&request.out, frame), &png)?;
+        lock.note((frame + 1).max(earlier))?;
         if frame == 0 {
             forget_earlier_run(&request.out)?;
         }

@@ -127,8 +127,8 @@ impl PatientFile {
         of("right", right).chain(of("left", left)).collect()
     }
 
-    /// Makes an entity this person. Eyes that she has already become those of the file; conditions of
-    /// the person herself, which no file sets, stay.
+    /// Makes an entity this person. Eyes that she has already become those of the file, and what she had of
+    /// conditions herself goes; what an entity without eyes was spawned with stays.
     fn write_to(self, person: &mut EntityWorldMut) {
         let held_mm = person
             .get::<PupilControl>()
@@ -152,6 +152,11 @@ impl PatientFile {
         let there = person
             .get::<Eyes>()
             .map_or_else(Vec::new, |eyes| eyes.entities().to_vec());
+        // A file that makes somebody another says all that either eye has; one that makes somebody leaves
+        // what she is spawned with.
+        if !there.is_empty() {
+            Self::remove_conditions(person);
+        }
         person.world_scope(|world| {
             for laterality in Laterality::BOTH {
                 let found = there.iter().copied().find(|eye| {
@@ -319,6 +324,27 @@ mod tests {
             .run_system_once(move |dressed: PatientReader| dressed.file(patient))
             .expect("it runs")
             .expect("a patient")
+    }
+
+    #[test]
+    fn a_condition_of_a_person_ends_with_a_file_without_it() {
+        use crate::conditions::Cataract;
+        let mut world = World::new();
+        let patient = world
+            .spawn((Patient::preset("healthy-blue"), Cataract::nuclear(2.5)))
+            .id();
+        world.flush();
+        assert!(world.get::<Cataract>(patient).is_some());
+        let file = read_back(&mut world, patient);
+        assert_eq!(file.cataract, Some(Cataract::nuclear(2.5)));
+        let healthy = PatientFile {
+            cataract: None,
+            ..file
+        };
+        world.entity_mut(patient).insert(healthy.clone());
+        world.flush();
+        assert!(world.get::<Cataract>(patient).is_none());
+        assert_eq!(read_back(&mut world, patient), healthy);
     }
 
     #[test]

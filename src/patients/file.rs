@@ -52,6 +52,13 @@ pub struct Field {
 /// What may stand in `right` and `left`.
 const EYE_ALLOWED: &str = "round brackets with what this eye has otherwise, as in (sphere_d: -2.0)";
 
+/// What an eye has otherwise than its owner's file says: given, it is a value.
+fn own<'a, D: serde::Deserializer<'a>, T: Deserialize<'a>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
+}
+
 /// What an eye has otherwise than its owner's file says, where that may also be nothing: absent is as both
 /// eyes are, `None` is nothing.
 mod own_or_none {
@@ -110,13 +117,13 @@ macro_rules! patient_file {
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields, default)]
         pub struct EyeFile {
-            $($(#[$choice_doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $choice: Option<$choice_type>,)+
+            $($(#[$choice_doc])* #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "own")] pub $choice: Option<$choice_type>,)+
             $(#[doc = concat!($condition_meaning, ". `Some(None)`: this eye has it not.")]
             #[serde(skip_serializing_if = "Option::is_none", with = "own_or_none")] pub $condition: Option<Option<$condition_type>>,)+
-            $(#[doc = $eye_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $eye: Option<f64>,)+
+            $(#[doc = $eye_meaning] #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "own")] pub $eye: Option<f64>,)+
             $(#[doc = concat!($option_meaning, ". `Some(None)`: worked out, for this eye.")]
             #[serde(skip_serializing_if = "Option::is_none", with = "own_or_none")] pub $option: Option<Option<f64>>,)+
-            $(#[doc = $pair_meaning] #[serde(skip_serializing_if = "Option::is_none")] pub $pair: Option<[f64; 2]>,)+
+            $(#[doc = $pair_meaning] #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "own")] pub $pair: Option<[f64; 2]>,)+
         }
 
         impl Default for PatientFile {
@@ -264,6 +271,11 @@ macro_rules! patient_file {
                         eye.remove::<$condition_type>();
                     }
                 })+
+            }
+
+            /// Takes every condition from a person whose eyes have what the file says.
+            pub(super) fn remove_conditions(person: &mut EntityWorldMut) {
+                person.remove::<($($condition_type,)+)>();
             }
 
             /// Takes the conditions of an eye, or a person, into a file; what it has not is left as it is.

@@ -1,7 +1,7 @@
 //! What the passes of the view share with the CPU: the uniform, the sizes of textures, buffers and
 //! dispatches, and the layout of the counters.
 //!
-//! Keep in sync with `shaders/view/percept_uniform.wgsl`, `features.wgsl` and `field_update.wgsl`.
+//! Keep in sync with `shaders/view/percept_uniform.wgsl`, `features.wgsl` and `field`.
 
 use bytemuck::{Pod, Zeroable};
 

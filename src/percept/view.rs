@@ -202,6 +202,7 @@ impl Percept {
         self.size = UVec2::ZERO;
         self.is_new = true;
         self.photo = None;
+        self.moved = Moved::default();
     }
 
     /// Takes the picture again, for a change that nobody else notices: of a material of one's own, say.
@@ -232,6 +233,8 @@ impl Percept {
             moved: self.moved.clone(),
         };
         self.forget_voxels = false;
+        // What it left behind is forgotten once.
+        self.moved.left = Arc::default();
         // From now on the memory keeps something of each of these under its name, and of no other.
         self.known_movers = self.moved.here.iter().map(MoverData::name).collect();
         self.is_unread = false;

@@ -144,7 +144,7 @@ pub struct HeadPath(Vec<HeadKey>);
 
 /// Why a path could not be read.
 #[derive(Debug, thiserror::Error)]
-#[error("{file}: {reason}")]
+#[error("{file}:{}{reason}", if reason.starts_with(|c: char| c.is_ascii_digit()) { "" } else { " " })]
 pub struct HeadPathError {
     file: String,
     reason: String,
@@ -164,7 +164,7 @@ fn clause(fault: &Fault) -> String {
         }
         (FaultKind::Notation(clause), _) => clause.clone(),
         (FaultKind::UnknownField { found, known }, _) => format!(
-            "unknown field {found:?} in {field}; the fields of a key are {}",
+            "unknown field {found:?} in {field}; the fields of a moment are {}",
             known.join(", ")
         ),
         (FaultKind::Twice { field: twice }, _) => format!("{twice} is given twice in {field}"),
@@ -202,7 +202,7 @@ impl HeadPath {
     pub fn parse(text: &str) -> Result<Self, String> {
         let keys: Vec<HeadKey> = notation::read(text).map_err(|fault| clause(&fault))?;
         if keys.is_empty() {
-            return Err("it has no keys".into());
+            return Err("it has no moments".into());
         }
         let mut before_s = -1.0;
         for (index, key) in keys.iter().enumerate() {
@@ -219,7 +219,7 @@ impl HeadPath {
             }
             if key.time_s <= before_s {
                 return Err(format!(
-                    "[{place}].time_s = {} must come after that of the key before, {before_s}",
+                    "[{place}].time_s = {} must come after that of the moment before, {before_s}",
                     key.time_s
                 ));
             }
@@ -317,7 +317,7 @@ mod tests {
         for (text, said) in [
             ("", "it is empty"),
             ("(time_s: 1.0)", "must be a list such as"),
-            ("[]", "no keys"),
+            ("[]", "no moments"),
             ("[(time_s: -1.0)]", "[1].time_s = -1 is"),
             (
                 "[(time_s: 1.0), (time_s: 1.0)]",
@@ -330,7 +330,7 @@ mod tests {
             ),
             (
                 "[(time_s: 1, sideways_m: 1.0)]",
-                "fields of a key are time_s, right_m",
+                "fields of a moment are time_s, right_m",
             ),
             (
                 "[(time_s: 1), (forward_m: 1.0)]",

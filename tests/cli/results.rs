@@ -159,9 +159,12 @@ fn render_leaves_whole_files_and_nothing_else() {
     // Nor does one after a run that was killed, which left no report, but its lock.
     let left = files.path("deep/out/frame_00007.png");
     fs::write(&left, "a picture").expect("written");
-    fs::write(files.path("deep/out/.ocularium-lock"), "").expect("written");
+    fs::write(files.path("deep/out/.ocularium-lock"), "8").expect("written");
+    // What it has not written is not its own.
+    let own = files.path("deep/out/frame_00090.png");
+    fs::write(&own, "mine").expect("written");
     fs::remove_file(files.path("deep/out/report.json")).expect("removed");
     let output = run(&[&arguments[..6], &["0.05"][..], &arguments[7..]].concat());
-    assert!(output.status.success() && !left.exists());
+    assert!(output.status.success() && !left.exists() && own.exists());
     assert!(!files.path("deep/out/.ocularium-lock").exists());
 }

@@ -73,7 +73,7 @@ export async function checkConditions(page) {
     await page.mouse.click(x, y);
     const [toggleX, toggleY] = await reach(page, "cataract");
     await page.mouse.click(toggleX, toggleY);
-    const written = await until(MOTION_LIMIT_S, () => page.evaluate(() => /cataract=\(nuclear:2\.5/.test(location.hash)));
+    const written = await until(MOTION_LIMIT_S, () => page.evaluate(() => /cataract=\([^)]*nuclear:2\.5/.test(location.hash)));
     assert(written, `the link is ${await page.evaluate(() => location.hash)}`);
     const seen = await until(MOTION_LIMIT_S, async () => changes(healthy, await panels(page, "cataract.png")).view > 0.3);
     assert(seen, "the view is as it was");

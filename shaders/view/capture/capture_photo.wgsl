@@ -20,12 +20,15 @@ struct PhotoUniform {
 
 // Nothing is farther; what is infinitely far stands here.
 const FARTHEST_M: f32 = 1e9;
-// The nearest that is looked for, as a vergence, and the steps from there to infinity.
+// The nearest and the farthest surface that is looked for, as vergences, and the steps between them. What is
+// infinitely far lies beyond all of them.
 const NEAREST_D: f32 = 20.0;
+const FARTHEST_D: f32 = 1e-6;
 const STEPS: u32 = 160u;
 const HALVINGS: u32 = 10u;
-// Of its distance, by how much a surface may step over one photograph's texel and still be one.
-const STEP_SHARE: f32 = 0.04;
+// Of its distance, by how much a surface may step over one of the photograph's texels and still be one: what
+// lies flat before the eye steps by this much only far out.
+const STEP_SHARE: f32 = 0.1;
 
 // What a ray meets: at which distance from the eye (0: nothing), and where on the photograph, in texels.
 struct Met {
@@ -67,11 +70,13 @@ fn depth_behind(point: vec3<f32>) -> f32 {
 fn meet_sphere(direction: vec3<f32>, radius: f32) -> Met {
     let along = dot(photo.eye_m, direction);
     let inside = radius * radius - dot(photo.eye_m, photo.eye_m);
-    if inside <= 0.0 {
+    let square = along * along + inside;
+    // Who has stepped back out of it looks through its open side.
+    if square <= 0.0 || (inside <= 0.0 && along >= 0.0) {
         return Met(0.0, vec2<f32>(0.0));
     }
     // Without the difference of two large numbers.
-    let root = sqrt(along * along + inside);
+    let root = sqrt(square);
     let distance = select(inside / (root + along), root - along, along < 0.0);
     let place = place_of(photo.eye_m + distance * direction);
     return Met(select(0.0, distance, is_inside(place)), place);
@@ -84,7 +89,7 @@ fn meet_map(direction: vec3<f32>) -> Met {
     var before = depth_behind(photo.eye_m + direction / before_d);
     for (var k = 1u; k <= STEPS; k++) {
         let share = 1.0 - f32(k) / f32(STEPS);
-        let at_d = max(NEAREST_D * share * share, 1.0 / FARTHEST_M);
+        let at_d = max(NEAREST_D * share * share, FARTHEST_D);
         let behind = depth_behind(photo.eye_m + direction / at_d);
         if before < 0.0 && behind >= 0.0 {
             var near_d = before_d;
@@ -118,19 +123,29 @@ fn meet_map(direction: vec3<f32>) -> Met {
     return Met(0.0, vec2<f32>(0.0));
 }
 
-fn colour_between(place: vec2<f32>) -> vec3<f32> {
+// Colour between the texels that show the surface on which `place` lies, at this distance from where the
+// photograph was taken: across its edge there is another one.
+fn colour_between(place: vec2<f32>, from_m: f32) -> vec3<f32> {
     let last = vec2<i32>(percept.size) - 1;
     let low = place - 0.5;
     let corner = vec2<i32>(floor(low));
     let share = fract(low);
-    var sum = vec3<f32>(0.0);
+    var sum = vec4<f32>(0.0);
     for (var k = 0; k < 4; k++) {
         let off = vec2<i32>(k & 1, k >> 1u);
         let weights = select(1.0 - share, share, off == vec2<i32>(1));
         let texel = clamp(corner + off, vec2<i32>(0), last);
-        sum += weights.x * weights.y * safe_radiance(textureLoad(photo_colour, texel, 0).rgb);
+        let distance = distance_at(vec2<f32>(texel));
+        if abs(distance - from_m) <= STEP_SHARE * max(distance, from_m) {
+            let colour = safe_radiance(textureLoad(photo_colour, texel, 0).rgb);
+            sum += weights.x * weights.y * vec4<f32>(colour, 1.0);
+        }
     }
-    return sum;
+    if sum.a < 1e-3 {
+        let own = clamp(vec2<i32>(floor(place)), vec2<i32>(0), last);
+        return safe_radiance(textureLoad(photo_colour, own, 0).rgb);
+    }
+    return sum.rgb / sum.a;
 }
 
 fn direction_of(place: vec2<f32>) -> vec3<f32> {
@@ -164,10 +179,11 @@ fn capture_photo(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     // A pixel's light: the same surface in the directions of its quarters.
     var colour = vec3<f32>(0.0);
+    let from_m = distance_at(met.place);
     for (var k = 0; k < 4; k++) {
         let quarter = 0.5 * vec2<f32>(f32(k & 1), f32(k >> 1u)) - 0.25;
         let place = place_of(photo.eye_m + met.distance_m * direction_of(centre + quarter));
-        colour += 0.25 * colour_between(select(met.place, place, is_inside(place)));
+        colour += 0.25 * colour_between(select(met.place, place, is_inside(place)), from_m);
     }
     write_view(pixel, colour, select(1.0 / met.distance_m, 0.0, met.distance_m >= 0.5 * FARTHEST_M));
 }

@@ -254,7 +254,17 @@ fn modified<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<Asse
 fn redrawn(changes: &mut SceneChanges, drawn: &Query<Drawn>, surfaces: &mut Surfaces) {
     let meshes = modified(&mut surfaces.meshes);
     let mut materials = modified(&mut surfaces.materials);
-    let images = modified(&mut surfaces.images);
+    let mut images: HashSet<AssetId<Image>> = HashSet::default();
+    for event in surfaces.images.read() {
+        match event {
+            AssetEvent::Added { id } | AssetEvent::Modified { id } => {
+                images.insert(*id);
+            }
+            // A sky or an environment that comes late is on no material.
+            AssetEvent::LoadedWithDependencies { .. } => changes.everywhere = true,
+            _ => {}
+        }
+    }
     if !images.is_empty() {
         let shows = |texture: &Option<Handle<Image>>| {
             texture

@@ -64,6 +64,12 @@ pub(in crate::percept) fn drive_captures(
     ) in &mut views
     {
         let size = worn.size();
+        let is_photo = photo.is_some();
+        // What changes while nobody looks counts when somebody does. All are asked: each remembers.
+        let scene_changed = !is_photo
+            && (changes.touch(layers)
+                | is_recolored
+                | look.has_changed(&camera, &mut percept.look));
         let memory = finder
             .find(sees.0)
             .and_then(|(_, patient)| people.get(patient).ok());
@@ -80,18 +86,12 @@ pub(in crate::percept) fn drive_captures(
                     (&mut worn, &mut target),
                 );
                 let sight = sight_of(percept, transform, &projection);
-                let is_photo = percept.photo.is_some();
                 let taken_with = (options.threshold, options.exposure, memory.voxel_m);
                 // Voxels of another size are another memory.
                 percept.forget_voxels |= percept.taken_with.2 != taken_with.2;
                 let mut has_changed =
                     is_resized || percept.is_outdated || taken_with != percept.taken_with;
-                has_changed |= sight != percept.sight;
-                if !is_photo {
-                    has_changed |= changes.touch(layers)
-                        || is_recolored
-                        || look.has_changed(&camera, &mut percept.look);
-                }
+                has_changed |= sight != percept.sight || scene_changed;
                 percept.sight = sight;
                 percept.taken_with = taken_with;
                 // Until it has been asked for.
@@ -107,7 +107,10 @@ pub(in crate::percept) fn drive_captures(
                 let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
                 drive(percept, has_changed, quiet) && !is_photo
             }
-            _ => false,
+            _ => {
+                percept.is_outdated |= scene_changed;
+                false
+            }
         };
         if camera.is_active != drawing {
             camera.is_active = drawing;

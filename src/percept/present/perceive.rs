@@ -248,7 +248,8 @@ fn frame_of(
     };
     if frame.present {
         percept.shown = Some((uniform, media));
-        percept.forget = false;
+        // A view that only stands in for another has forgotten nothing yet.
+        percept.forget &= !frame.forget;
     }
     frame
 }
@@ -304,6 +305,8 @@ fn place_marker(uniform: &mut PerceptUniform, gaze: &Gaze, size: UVec2) {
 fn photo_uniform(laid: &LaidOut, pose: Isometry3d) -> PhotoUniform {
     let own = laid.taken_from.inverse() * pose;
     let axis = |axis: Vec3| (own.rotation * axis).to_array();
+    // Poses that come down a hierarchy are rounded.
+    let is_at_rest = own.translation.length() < 1e-6 && own.rotation.xyz().length() < 1e-6;
     // The shader's farthest.
     let flat_m = laid.photo.depth_m.constant_m().unwrap_or(0.0).min(1e9);
     PhotoUniform {
@@ -311,7 +314,7 @@ fn photo_uniform(laid: &LaidOut, pose: Isometry3d) -> PhotoUniform {
         up: axis(Vec3::Y),
         back: axis(Vec3::Z),
         eye_m: Vec3::from(own.translation).to_array(),
-        has_moved: u32::from(pose != laid.taken_from),
+        has_moved: u32::from(!is_at_rest),
         flat_m,
         ..PhotoUniform::default()
     }
@@ -356,13 +359,16 @@ fn loss_numbers(uniform: &mut PerceptUniform, field: &VisualField, mean_seen: f3
 
 fn update_field_map(percept: &mut Percept, field: Option<&Ref<VisualField>>) {
     let Some(field) = field.filter(|field| !field.is_whole()) else {
-        percept.field = None;
+        if percept.field.take().is_some() {
+            percept.shown = None;
+        }
         return;
     };
     if percept.field.as_ref().is_some_and(|map| *map.of == **field) {
         return;
     }
     let seen = field_texels(field);
+    percept.shown = None;
     percept.field = Some(FieldMap {
         of: Arc::new((**field).clone()),
         side: FIELD_SIDE,

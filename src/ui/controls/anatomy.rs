@@ -120,15 +120,20 @@ fn slider(ui: &mut Ui, field: &Field, wanted: &mut PatientFile) -> bool {
         unit => format!(" {unit}"),
     };
     let slider = egui::Slider::new(&mut value, low..=high).suffix(unit);
-    let slider = ui
-        .add(slider.max_decimals(3).text(field.meaning))
-        .on_hover_text(field.name);
+    let slider = labelled(ui, slider.max_decimals(3), field.meaning).on_hover_text(field.name);
     if slider.changed() {
         (field.set)(wanted, value);
     }
     // Lenses are changed at once, whatever is built.
     let is_quick = matches!(field.name, "sphere_d" | "cylinder_d" | "axis_deg");
     is_settled(&slider) || (is_quick && slider.changed())
+}
+
+/// A slider below its label, which takes as many lines as it needs: beside it a long one would widen the
+/// controls.
+fn labelled(ui: &mut Ui, slider: egui::Slider<'_>, label: &str) -> egui::Response {
+    let label = ui.small(label);
+    ui.add(slider).labelled_by(label.id)
 }
 
 /// One condition: whether she has it, and its numbers.
@@ -160,9 +165,7 @@ fn condition<C: Condition>(
             continue;
         };
         let slider = egui::Slider::new(&mut value, low..=high).max_decimals(1);
-        let slider = ui
-            .add(slider.text(control.name))
-            .on_hover_text(control.meaning);
+        let slider = labelled(ui, slider, control.meaning).on_hover_text(control.name);
         state.places.insert(control.name, slider.rect);
         if slider.changed() {
             (control.set)(own, value);

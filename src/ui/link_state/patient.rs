@@ -69,6 +69,18 @@ const TEXTS: [&str; 2] = ["name", "description"];
 /// The patient's seed by its name in a link, where `seed` is that of the session.
 const PATIENT_SEED: &str = "patient_seed";
 
+/// Fields that may be at fault where another is named.
+const BESIDE: [&str; 8] = [
+    "right",
+    "left",
+    "limbus_radius_mm",
+    "scleral_radius_mm",
+    "cornea_p",
+    "cornea_posterior_p",
+    "cornea_posterior_radius_mm",
+    "iris_depth_mm",
+];
+
 fn key_of(field: &str) -> &str {
     if field == "seed" { PATIENT_SEED } else { field }
 }
@@ -99,8 +111,13 @@ pub(super) fn with_changes(
         let mut fields = fields_of(&usual);
         fields.extend(wanted.clone());
         let Ok(patient) = serde_json::from_value::<PatientFile>(Value::Object(fields)) else {
-            refused.push("The link's patient cannot be read.".into());
-            return usual;
+            // A number that is none, beside another fault.
+            let Some(key) = wanted.keys().next_back().cloned() else {
+                return usual;
+            };
+            wanted.remove(&key);
+            refused.push(format!("The link's {} cannot be read.", key_of(&key)));
+            continue;
         };
         let Err(error) = patient.check("The link") else {
             return patient;
@@ -114,6 +131,8 @@ pub(super) fn with_changes(
             }),
             _ => None,
         };
+        // What is at fault may be an eye's, or a field beside it.
+        let failed = failed.or_else(|| BESIDE.iter().find_map(|field| wanted.remove(*field)));
         if failed.is_none() {
             return usual;
         }

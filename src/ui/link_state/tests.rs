@@ -115,6 +115,24 @@ fn fields_that_are_sound_only_together_are_judged_together() {
     assert_eq!(wide.patient.limbus_radius_mm, 6.5);
 }
 
+#[test]
+fn one_fault_costs_nothing_else_of_a_link() {
+    for link in [
+        "right=(sphere_d:-40)&left=(sphere_d:-40)",
+        "scleral_radius_mm=12.5&cornea_radius_mm=6&cornea_p=0.2&limbus_radius_mm=6.5",
+        "cataract=(nuclear:8,cortical:inf)",
+    ] {
+        let (state, refused) = LinkState::parse(&format!("{link}&age_years=61&sphere_d=-2"));
+        if refused.is_empty() {
+            continue;
+        }
+        let kept = (state.patient.age_years, state.patient.sphere_d);
+        assert_eq!(kept, (61.0, -2.0), "{link}: {refused:?}");
+    }
+    assert!(!refusals("right=(sphere_d:-40)&left=(sphere_d:-40)").is_empty());
+    assert!(!refusals("cataract=(nuclear:8,cortical:inf)").is_empty());
+}
+
 fn patients() -> impl Strategy<Value = PatientFile> {
     let colours = prop_oneof![
         Just(IrisColor::Blue),
