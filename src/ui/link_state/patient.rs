@@ -112,7 +112,12 @@ pub(super) fn with_changes(
         fields.extend(wanted.clone());
         let Ok(patient) = serde_json::from_value::<PatientFile>(Value::Object(fields)) else {
             // A number that is none, beside another fault.
-            let Some(key) = wanted.keys().next_back().cloned() else {
+            let alone = |(key, value): &(&String, &Value)| {
+                let mut fields = fields_of(&usual);
+                fields.insert((*key).clone(), (*value).clone());
+                serde_json::from_value::<PatientFile>(Value::Object(fields)).is_err()
+            };
+            let Some(key) = wanted.iter().find(alone).map(|(key, _)| key.clone()) else {
                 return usual;
             };
             wanted.remove(&key);
@@ -124,11 +129,7 @@ pub(super) fn with_changes(
         };
         refused.push(format!("{error}."));
         let failed = match error {
-            PatientError::OutOfRange { field, eye, .. } => wanted.remove(match eye {
-                None => field,
-                Some(Laterality::OD) => "right",
-                Some(Laterality::OS) => "left",
-            }),
+            PatientError::OutOfRange { field, eye, .. } => remove_fault(&mut wanted, eye, field),
             _ => None,
         };
         // What is at fault may be an eye's, or a field beside it.
@@ -137,6 +138,33 @@ pub(super) fn with_changes(
             return usual;
         }
     }
+}
+
+/// Takes a field that is at fault from what is wanted: from the eye that it is of, or from both where both
+/// have it otherwise than the person; `None` where it is nowhere.
+fn remove_fault(
+    wanted: &mut Map<String, Value>,
+    eye: Option<Laterality>,
+    field: &str,
+) -> Option<Value> {
+    let of = |eye: Laterality| match eye {
+        Laterality::OD => "right",
+        Laterality::OS => "left",
+    };
+    let eyes = eye.map_or(Laterality::BOTH.to_vec(), |eye| vec![eye]);
+    let own = |wanted: &Map<String, Value>, eye: &Laterality| {
+        wanted
+            .get(of(*eye))
+            .is_some_and(|own| own.get(field).is_some())
+    };
+    if eyes.iter().all(|eye| own(wanted, eye)) {
+        let mut removed = None;
+        for eye in eyes {
+            removed = wanted.get_mut(of(eye))?.as_object_mut()?.remove(field);
+        }
+        return removed;
+    }
+    wanted.remove(field)
 }
 
 /// Is it about a number that is infinite or none?
