@@ -75,6 +75,15 @@ impl Fault {
     }
 }
 
+/// What is said of a field that holds what it must not.
+pub fn not_allowed(field: &str, value: &str, allowed: &str) -> String {
+    if value.is_empty() {
+        format!("{field} has no value; it must be {allowed}")
+    } else {
+        format!("{field} = {value} is not allowed; it must be {allowed}")
+    }
+}
+
 /// Names in their order, as in "a, b or c".
 pub fn one_of(names: &[&str]) -> String {
     match names {

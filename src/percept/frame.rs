@@ -83,7 +83,7 @@ pub struct PerceptFrame {
 
 impl PerceptFrame {
     /// What its eye has that a healthy one has not.
-    pub fn effects(&self) -> Effects {
+    pub(super) fn effects(&self) -> Effects {
         Effects {
             field_loss: self.field_loss.is_some(),
             media: self.media.is_some(),

@@ -26,9 +26,7 @@ pub use capture::fast;
 pub use capture::sight::SceneChanges;
 pub use field::{SharpnessField, sharpness_field};
 pub use frame::{CaptureResult, PerceptFrame};
-pub use pass::Effects;
 pub use present::{gather, veil};
-pub use render::Passes;
 pub use sees_as::{SeesAs, Worn};
 pub use view::{NEAR_M, Percept, ViewOptions};
 

@@ -9,7 +9,6 @@
 use super::gpu_data::{MediaUniform, PerceptUniform};
 use crate::frame::ledger::WorkLedger;
 use bevy::asset::Handle;
-use bevy::platform::collections::HashMap;
 use bevy::render::render_resource::binding_types::{texture_2d, uniform_buffer_sized};
 use bevy::render::render_resource::{
     BindGroup, BindGroupEntries, BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntries,
@@ -27,11 +26,11 @@ use std::num::NonZeroU64;
 
 /// What an eye has that a healthy one has not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Effects {
+pub(super) struct Effects {
     /// Some of the visual field is lost.
-    pub field_loss: bool,
+    pub(super) field_loss: bool,
     /// The media scatter or colour the light.
-    pub media: bool,
+    pub(super) media: bool,
 }
 
 impl Effects {
@@ -152,6 +151,34 @@ struct Program {
 }
 
 impl Program {
+    fn new(
+        name: &'static str,
+        shader: Handle<Shader>,
+        knows: Effects,
+        layout: &[BindGroupLayoutEntry],
+        stage: ShaderStages,
+    ) -> Self {
+        Self {
+            name,
+            shader,
+            layout: BindGroupLayoutDescriptor::new(name, layout),
+            knows,
+            stage,
+        }
+    }
+
+    /// Its own group, and those of the effects that it knows.
+    fn bind(
+        &self,
+        recorder: &Recorder,
+        inputs: &EffectInputs,
+        entries: &[BindGroupEntry],
+    ) -> Vec<BindGroup> {
+        let mut groups = vec![recorder.bind(&self.layout, entries)];
+        groups.extend(inputs.groups(inputs.effects().and(self.knows), self.stage, recorder));
+        groups
+    }
+
     fn layouts(&self, effects: Effects) -> Vec<BindGroupLayoutDescriptor> {
         let mut layouts = vec![self.layout.clone()];
         layouts.extend(effects.layouts(self.stage));
@@ -163,7 +190,6 @@ impl Program {
 pub(super) struct ComputePass {
     program: Program,
     forms: SpecializedComputePipelines<Program>,
-    built: HashMap<Effects, CachedComputePipelineId>,
 }
 
 impl SpecializedComputePipeline for Program {
@@ -191,23 +217,14 @@ impl ComputePass {
         layout: &[BindGroupLayoutEntry],
     ) -> Self {
         Self {
-            program: Program {
-                name,
-                shader,
-                layout: BindGroupLayoutDescriptor::new(name, layout),
-                knows,
-                stage: ShaderStages::COMPUTE,
-            },
+            program: Program::new(name, shader, knows, layout, ShaderStages::COMPUTE),
             forms: SpecializedComputePipelines::default(),
-            built: HashMap::default(),
         }
     }
 
     fn form(&mut self, cache: &PipelineCache, effects: Effects) -> CachedComputePipelineId {
         let key = effects.and(self.program.knows);
-        let id = self.forms.specialize(cache, &self.program, key);
-        self.built.insert(key, id);
-        id
+        self.forms.specialize(cache, &self.program, key)
     }
 
     /// Asks for the form for these effects; says whether it is built.
@@ -224,29 +241,20 @@ impl ComputePass {
         entries: &[BindGroupEntry],
         groups: [u32; 2],
     ) -> bool {
-        let key = inputs.effects().and(self.program.knows);
-        let id = self.form(recorder.cache, key);
+        let id = self.form(recorder.cache, inputs.effects());
         let Some(pipeline) = recorder.cache.get_compute_pipeline(id) else {
             return false;
         };
-        let own = recorder.bind(&self.program.layout, entries);
-        let others = inputs.groups(key, self.program.stage, recorder);
+        let bound_groups = self.program.bind(recorder, inputs, entries);
         let mut pass = recorder
             .encoder
             .begin_compute_pass(&ComputePassDescriptor::default());
         pass.set_pipeline(pipeline);
-        for (group, bound) in (0u32..).zip([&own].into_iter().chain(&others)) {
+        for (group, bound) in (0u32..).zip(&bound_groups) {
             pass.set_bind_group(group, bound, &[]);
         }
         pass.dispatch_workgroups(groups[0], groups[1], 1);
         true
-    }
-
-    /// Its forms that were asked for, by its name.
-    pub(super) fn forms(&self) -> impl Iterator<Item = (&'static str, Effects)> {
-        self.built
-            .keys()
-            .map(|effects| (self.program.name, *effects))
     }
 }
 
@@ -254,7 +262,6 @@ impl ComputePass {
 pub(super) struct DrawPass {
     program: DrawProgram,
     forms: SpecializedRenderPipelines<DrawProgram>,
-    built: HashMap<(Effects, TextureFormat), CachedRenderPipelineId>,
 }
 
 /// [`Program`], of a pass that draws.
@@ -298,15 +305,14 @@ impl DrawPass {
         layout: &[BindGroupLayoutEntry],
     ) -> Self {
         Self {
-            program: DrawProgram(Program {
+            program: DrawProgram(Program::new(
                 name,
                 shader,
-                layout: BindGroupLayoutDescriptor::new(name, layout),
                 knows,
-                stage: ShaderStages::FRAGMENT,
-            }),
+                layout,
+                ShaderStages::FRAGMENT,
+            )),
             forms: SpecializedRenderPipelines::default(),
-            built: HashMap::default(),
         }
     }
 
@@ -316,9 +322,7 @@ impl DrawPass {
         key: (Effects, TextureFormat),
     ) -> CachedRenderPipelineId {
         let key = (key.0.and(self.program.0.knows), key.1);
-        let id = self.forms.specialize(cache, &self.program, key);
-        self.built.insert(key, id);
-        id
+        self.forms.specialize(cache, &self.program, key)
     }
 
     /// Asks for the form for these effects and a target of this format; says whether it is built.
@@ -341,26 +345,17 @@ impl DrawPass {
         format: TextureFormat,
         target: &RenderPassDescriptor,
     ) -> bool {
-        let key = inputs.effects().and(self.program.0.knows);
-        let id = self.form(recorder.cache, (key, format));
+        let id = self.form(recorder.cache, (inputs.effects(), format));
         let Some(pipeline): Option<&RenderPipeline> = recorder.cache.get_render_pipeline(id) else {
             return false;
         };
-        let own = recorder.bind(&self.program.0.layout, entries);
-        let others = inputs.groups(key, self.program.0.stage, recorder);
+        let bound_groups = self.program.0.bind(recorder, inputs, entries);
         let mut pass = recorder.encoder.begin_render_pass(target);
         pass.set_pipeline(pipeline);
-        for (group, bound) in (0u32..).zip([&own].into_iter().chain(&others)) {
+        for (group, bound) in (0u32..).zip(&bound_groups) {
             pass.set_bind_group(group, bound, &[]);
         }
         pass.draw(0..3, 0..1);
         true
-    }
-
-    /// Its forms that were asked for, by its name.
-    pub(super) fn forms(&self) -> impl Iterator<Item = (&'static str, Effects)> {
-        self.built
-            .keys()
-            .map(|(effects, _)| (self.program.0.name, *effects))
     }
 }

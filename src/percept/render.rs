@@ -8,13 +8,14 @@ use super::capture::{CapturePasses, Source, Staging, ViewImages};
 use super::field::FieldPasses;
 use super::frame::{CaptureSource, PerceptFrame};
 use super::gpu_data::{FORGET, PerceptUniform};
-use super::pass::{EffectInputs, Effects, Recorder};
+use super::pass::{EffectInputs, Recorder};
 use super::present::{PresentPasses, blank, hand_on};
 use super::resources::{PerceptGpu, ViewGpu};
 use super::sees_as::Presents;
 use crate::frame::ledger::WorkLedger;
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core2d, Core2dSystems, Core3d, Core3dSystems};
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::render_asset::{RenderAssets, prepare_assets};
@@ -31,21 +32,21 @@ use std::sync::Arc;
 
 /// The passes of all views.
 #[derive(Resource, Default)]
-pub struct Passes {
+struct Passes {
     capture: CapturePasses,
     field: FieldPasses,
     present: PresentPasses,
 }
 
-impl Passes {
-    /// Which passes were asked for so far, by the names of their entry points, and in which form.
-    pub fn forms(&self) -> Vec<(&'static str, Effects)> {
-        self.capture
-            .forms()
-            .chain(self.field.forms())
-            .chain(self.present.forms())
-            .collect()
-    }
+/// What the systems of the passes work with.
+#[derive(SystemParam)]
+struct Work<'w> {
+    gpu: ResMut<'w, PerceptGpu>,
+    passes: ResMut<'w, Passes>,
+    images: Res<'w, RenderAssets<GpuImage>>,
+    cache: Res<'w, PipelineCache>,
+    queue: Res<'w, RenderQueue>,
+    ledger: Res<'w, WorkLedger>,
 }
 
 /// Adds the passes to the render world.
@@ -82,21 +83,8 @@ pub fn build_render(app: &mut App) {
 
 /// Makes the lasting resources of every view, and uploads its uniform and, where it has lost some, its
 /// field.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are what it touches"
-)]
-fn prepare(
-    frames: Query<(Entity, &PerceptFrame)>,
-    mut gpu: ResMut<PerceptGpu>,
-    images: Res<RenderAssets<GpuImage>>,
-    mut passes: ResMut<Passes>,
-    cache: Res<PipelineCache>,
-    device: Res<RenderDevice>,
-    queue: Res<RenderQueue>,
-    ledger: Res<WorkLedger>,
-) {
-    let gpu = &mut *gpu;
+fn prepare(frames: Query<(Entity, &PerceptFrame)>, mut work: Work, device: Res<RenderDevice>) {
+    let (gpu, passes) = (&mut *work.gpu, &mut *work.passes);
     gpu.views.retain(|entity, _| frames.contains(*entity));
     for (entity, frame) in &frames {
         if !frame.visible {
@@ -115,7 +103,8 @@ fn prepare(
             .or_insert_with(|| ViewGpu::new(&device));
         // Whoever lays out the window may have given the panel another size after the frame's numbers
         // were made; its new image is empty.
-        let target = images
+        let target = work
+            .images
             .get(&frame.target)
             .map(|image| &image.texture_descriptor);
         view.target = target.map_or(UVec2::ZERO, |target| {
@@ -123,20 +112,28 @@ fn prepare(
         });
         // Asked for now, so that they are built when they are needed.
         let effects = frame.effects();
-        passes.field.frame_is_ready(&cache, effects);
+        passes.field.frame_is_ready(&work.cache, effects);
         let format = target.map_or(TextureFormat::Rgba8UnormSrgb, |target| target.format);
-        passes.present.is_ready(&cache, effects, format);
-        upload_field(view, frame, &device, &queue, &ledger);
+        passes.present.is_ready(&work.cache, effects, format);
+        upload_field(view, frame, &device, &work.queue, &work.ledger);
         view.present =
             frame.present || (view.presented != UVec2::ZERO && view.presented != view.target);
         if frame.update || view.present {
-            let mut uniform = frame.uniform;
-            uniform.slot_mask = view.memory.slot_mask();
-            uniform.target_size = view.target.as_vec2().to_array();
-            queue.write_buffer(&view.uniform, 0, bytemuck::bytes_of(&uniform));
-            ledger.bytes_uploaded(size_of::<PerceptUniform>() as u64);
+            write_numbers(view, frame, &work.queue);
+            work.ledger
+                .bytes_uploaded(size_of::<PerceptUniform>() as u64);
         }
     }
+}
+
+/// The numbers of a frame, with what only its view on the device knows.
+fn write_numbers(view: &ViewGpu, frame: &PerceptFrame, queue: &RenderQueue) {
+    let numbers = PerceptUniform {
+        slot_mask: view.memory.slot_mask(),
+        target_size: view.target.as_vec2().to_array(),
+        ..frame.uniform
+    };
+    queue.write_buffer(&view.uniform, 0, bytemuck::bytes_of(&numbers));
 }
 
 fn view_sampler(device: &RenderDevice) -> Sampler {
@@ -194,23 +191,14 @@ fn upload_field(
 }
 
 /// After a camera that sees as somebody does has drawn: its colour and depth become the static view.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are what it touches"
-)]
 fn capture_scene(
     view: ViewQuery<(Entity, &ViewTarget, &ViewDepthTexture, &PerceptFrame)>,
-    mut gpu: ResMut<PerceptGpu>,
-    images: Res<RenderAssets<GpuImage>>,
-    mut passes: ResMut<Passes>,
-    cache: Res<PipelineCache>,
-    queue: Res<RenderQueue>,
-    ledger: Res<WorkLedger>,
+    mut work: Work,
     mut ctx: RenderContext,
 ) {
     let (entity, target, depth, frame) = view.into_inner();
-    ledger.scene_passes(1);
-    let gpu = &mut *gpu;
+    work.ledger.scene_passes(1);
+    let (gpu, passes) = (&mut *work.gpu, &mut *work.passes);
     let (Some(view), Some(sampler)) = (gpu.views.get_mut(&entity), &gpu.sampler) else {
         return;
     };
@@ -225,12 +213,19 @@ fn capture_scene(
     let mut recorder = Recorder {
         encoder: ctx.command_encoder(),
         device: &device,
-        cache: &cache,
-        ledger: &ledger,
+        cache: &work.cache,
+        ledger: &work.ledger,
         sampler,
     };
-    if capture(frame, view, &mut passes, &source, &queue, &mut recorder) {
-        show_captured(frame, view, &mut passes, &queue, &images, &mut recorder);
+    if capture(frame, view, passes, &source, &work.queue, &mut recorder) {
+        show_captured(
+            frame,
+            view,
+            passes,
+            &work.queue,
+            &work.images,
+            &mut recorder,
+        );
     }
 }
 
@@ -247,10 +242,7 @@ fn show_captured(
         return;
     }
     // The table may be another one than when the frame was prepared.
-    let mut uniform = frame.uniform;
-    uniform.slot_mask = view.memory.slot_mask();
-    uniform.target_size = view.target.as_vec2().to_array();
-    queue.write_buffer(&view.uniform, 0, bytemuck::bytes_of(&uniform));
+    write_numbers(view, frame, queue);
     if show(frame, view, passes, queue, images, recorder) {
         view.presented = view.target;
     }
@@ -327,33 +319,20 @@ fn capture(
 }
 
 /// The frames' own work: photographs' captures, field updates, pictures.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are what it touches"
-)]
-fn draw_views(
-    frames: Query<(Entity, &PerceptFrame)>,
-    mut gpu: ResMut<PerceptGpu>,
-    images: Res<RenderAssets<GpuImage>>,
-    mut passes: ResMut<Passes>,
-    cache: Res<PipelineCache>,
-    queue: Res<RenderQueue>,
-    ledger: Res<WorkLedger>,
-    mut ctx: RenderContext,
-) {
+fn draw_views(frames: Query<(Entity, &PerceptFrame)>, mut work: Work, mut ctx: RenderContext) {
     for (_, frame) in frames.iter().filter(|(_, frame)| frame.blank) {
-        if let Some(target) = images.get(&frame.target) {
+        if let Some(target) = work.images.get(&frame.target) {
             blank(ctx.command_encoder(), &target.texture_view);
         }
     }
     let device = ctx.render_device().clone();
-    let gpu = &mut *gpu;
+    let (gpu, passes) = (&mut *work.gpu, &mut *work.passes);
     let Some(sampler) = &gpu.sampler else { return };
     let mut recorder = Recorder {
         encoder: ctx.command_encoder(),
         device: &device,
-        cache: &cache,
-        ledger: &ledger,
+        cache: &work.cache,
+        ledger: &work.ledger,
         sampler,
     };
     for (entity, frame) in &frames {
@@ -369,17 +348,31 @@ fn draw_views(
                     numbers,
                 } = &request.source
                     && let (Some(colour), Some(vergence)) =
-                        (images.get(colour), images.get(vergence))
+                        (work.images.get(colour), work.images.get(vergence))
                 {
                     let source =
                         Source::Photo(&colour.texture_view, &vergence.texture_view, *numbers);
-                    if capture(frame, view, &mut passes, &source, &queue, &mut recorder) {
-                        show_captured(frame, view, &mut passes, &queue, &images, &mut recorder);
+                    if capture(frame, view, passes, &source, &work.queue, &mut recorder) {
+                        show_captured(
+                            frame,
+                            view,
+                            passes,
+                            &work.queue,
+                            &work.images,
+                            &mut recorder,
+                        );
                     }
                 }
             }
             _ => {
-                if show(frame, view, &mut passes, &queue, &images, &mut recorder) {
+                if show(
+                    frame,
+                    view,
+                    passes,
+                    &work.queue,
+                    &work.images,
+                    &mut recorder,
+                ) {
                     view.presented = view.target;
                 }
             }

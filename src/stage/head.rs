@@ -160,7 +160,7 @@ fn clause(fault: &Fault) -> String {
         .find(|(own, ..)| *own == name);
     let reason = match (&fault.kind, number) {
         (FaultKind::Value { found }, Some((_, _, low, high))) => {
-            format!("{field} = {found} is not allowed; it must be a number, {low} to {high}")
+            notation::not_allowed(&field, found, &format!("a number, {low} to {high}"))
         }
         (FaultKind::Notation(clause), _) => clause.clone(),
         (FaultKind::UnknownField { found, known }, _) => format!(
@@ -331,6 +331,10 @@ mod tests {
             (
                 "[(time_s: 1, sideways_m: 1.0)]",
                 "fields of a moment are time_s, right_m",
+            ),
+            (
+                "[(time_s:)]",
+                "[1].time_s has no value; it must be a number, 0 to 3600",
             ),
             (
                 "[(time_s: 1), (forward_m: 1.0)]",

@@ -2,7 +2,7 @@
 
 use super::placement::{SceneUnit, Span, parse_at, parse_length, parse_span};
 use super::values::{
-    parse_distance, parse_fps, parse_orbit, parse_seconds, parse_size, parse_whole,
+    parse_distance, parse_fps, parse_orbit, parse_seconds, parse_seed, parse_size, parse_threshold,
 };
 use crate::lab::measure::MeasureTable;
 use crate::scene::depth_file::DepthUnit;
@@ -65,7 +65,7 @@ pub(super) struct Shown {
         long,
         default_value_t = 1,
         value_name = "N",
-        value_parser = parse_whole::<u64>,
+        value_parser = parse_seed,
         allow_hyphen_values = true
     )]
     pub(super) seed: u64,
@@ -146,7 +146,7 @@ pub(super) struct RenderArgs {
         long,
         default_value_t = 20,
         value_name = "T",
-        value_parser = parse_whole::<u8>,
+        value_parser = parse_threshold,
         allow_hyphen_values = true
     )]
     pub(super) threshold: u8,
@@ -158,7 +158,7 @@ pub(super) struct FeatureArgs {
     /// Rec. 709 luma.
     pub(super) image: PathBuf,
     /// Threshold, 0 to 255: a corner's ring differs by more than this.
-    #[arg(long, value_name = "T", value_parser = parse_whole::<u8>, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = parse_threshold, allow_hyphen_values = true)]
     pub(super) threshold: u8,
     /// Keep corners whose neighbours are as strong or stronger.
     #[arg(long)]

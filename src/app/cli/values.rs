@@ -1,8 +1,6 @@
 //! Values of options as a user writes them.
 
 use bevy::math::UVec2;
-use std::fmt::Display;
-use std::str::FromStr;
 
 pub(super) fn parse_size(text: &str) -> Result<UVec2, String> {
     let wrong = || format!("{text:?} is not a size such as 1280x640, each side 16 to 8192 pixels");
@@ -17,25 +15,19 @@ pub(super) fn parse_size(text: &str) -> Result<UVec2, String> {
     Ok(UVec2::new(side(width)?, side(height)?))
 }
 
-/// A whole number of those that `N` has.
-pub(super) fn parse_whole<N: FromStr + Bounded + Display>(text: &str) -> Result<N, String> {
-    text.trim()
-        .parse()
-        .map_err(|_| format!("{text:?} is not a whole number from 0 to {}", N::MOST))
+fn parse_whole(text: &str, most: u64) -> Result<u64, String> {
+    let number = text.trim().parse::<u64>().ok();
+    number
+        .filter(|number| *number <= most)
+        .ok_or_else(|| format!("{text:?} is not a whole number from 0 to {most}"))
 }
 
-/// Unsigned numbers.
-pub(super) trait Bounded: Sized {
-    /// The largest.
-    const MOST: Self;
+pub(super) fn parse_seed(text: &str) -> Result<u64, String> {
+    parse_whole(text, u64::MAX)
 }
 
-impl Bounded for u64 {
-    const MOST: Self = Self::MAX;
-}
-
-impl Bounded for u8 {
-    const MOST: Self = Self::MAX;
+pub(super) fn parse_threshold(text: &str) -> Result<u8, String> {
+    parse_whole(text, u8::MAX.into()).map(|threshold| threshold as u8)
 }
 
 pub(super) fn parse_range(text: &str, what: &str, low: f64, high: f64) -> Result<f64, String> {

@@ -143,14 +143,6 @@ impl CapturePasses {
         is_ready
     }
 
-    /// The forms that were asked for.
-    pub(super) fn forms(&self) -> impl Iterator<Item = (&'static str, Effects)> {
-        [&self.scene, &self.photo, &self.downsample]
-            .into_iter()
-            .chain(&self.features)
-            .flat_map(ComputePass::forms)
-    }
-
     /// The picture and its mips.
     pub(super) fn take(&mut self, source: &Source, view: &ViewImages, recorder: &mut Recorder) {
         let plain = EffectInputs::default();

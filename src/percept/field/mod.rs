@@ -133,19 +133,6 @@ impl FieldPasses {
         is_ready
     }
 
-    /// The forms that were asked for.
-    pub(super) fn forms(&self) -> impl Iterator<Item = (&'static str, Effects)> {
-        [
-            &self.assign_slots,
-            &self.forget_left,
-            &self.grow_table,
-            &self.rebase,
-            &self.update,
-        ]
-        .into_iter()
-        .flat_map(ComputePass::forms)
-    }
-
     /// Sets the keys of a table back, or forgets them, as the numbers in `uniform` say.
     pub(super) fn shift_keys(&mut self, uniform: &Buffer, table: &Table, recorder: &mut Recorder) {
         let entries = BindGroupEntries::sequential((

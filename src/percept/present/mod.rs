@@ -114,14 +114,6 @@ impl PresentPasses {
         is_ready
     }
 
-    /// The forms that were asked for.
-    pub(super) fn forms(&self) -> impl Iterator<Item = (&'static str, Effects)> {
-        let compute = [&self.read_blur, &self.veil].into_iter();
-        compute
-            .flat_map(ComputePass::forms)
-            .chain(self.gather.forms())
-    }
-
     /// Spreads the veil of clouded media over the view of a capture, where it is not there yet.
     pub(super) fn spread_veil(
         &mut self,

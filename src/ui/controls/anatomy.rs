@@ -44,7 +44,7 @@ pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         let mut one = wanted.of_eye(chosen.0.unwrap_or(wanted.eye));
         let before = one.clone();
         let mut settled = conditions(ui, state, &mut one);
-        for remark in one.remarks() {
+        for remark in remarks(ui, &one) {
             ui.colored_label(ui.visuals().warn_fg_color, format!("{remark}."));
         }
         ui.add_space(4.0);
@@ -67,6 +67,20 @@ pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         }
     });
     state.places.insert("anatomy", header.header_response.rect);
+}
+
+/// What should be known of a patient, worked out when she has changed: a visual field takes its time.
+fn remarks(ui: &Ui, patient: &PatientFile) -> Vec<String> {
+    let id = egui::Id::new("remarks on the patient");
+    let known = ui.data(|data| data.get_temp::<(PatientFile, Vec<String>)>(id));
+    if let Some((of, remarks)) = known
+        && of == *patient
+    {
+        return remarks;
+    }
+    let remarks = patient.remarks();
+    ui.data_mut(|data| data.insert_temp(id, (patient.clone(), remarks.clone())));
+    remarks
 }
 
 /// Both eyes, or one of them.
