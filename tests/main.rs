@@ -8,6 +8,7 @@ mod gpu;
 mod house;
 mod ledger;
 mod models_in_view;
+mod moving_models;
 mod people;
 mod percept_gpu;
 mod photographs;

@@ -218,7 +218,7 @@ fn a_view_is_taken_again_when_only_the_lens_of_an_eye_in_it_changes() {
     assert_eq!(captures(&mut headless), 0, "and stays so");
 }
 
-fn difference(one: &RgbaImage, other: &RgbaImage) -> f64 {
+pub fn difference(one: &RgbaImage, other: &RgbaImage) -> f64 {
     let sum: f64 = one
         .as_raw()
         .iter()
@@ -407,9 +407,7 @@ const CHANGES: &[Change] = &[
     (
         "usual Lids, no ptosis",
         |w, eye, _| {
-            w.entity_mut(eye)
-                .insert(Lids { opening: 1.0 })
-                .remove::<Ptosis>();
+            w.entity_mut(eye).insert(Lids::default()).remove::<Ptosis>();
         },
         [true, true],
     ),

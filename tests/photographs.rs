@@ -6,6 +6,7 @@ use ocularium::lab::headless::{Headless, Which};
 use ocularium::patients::PupilSetting;
 use ocularium::scene::catalog::LoadedScene;
 use ocularium::scene::photo::{PhotoDepth, PhotoScene};
+use ocularium::scene::pictures::{CoursePicture, PictureCourse, mean_luminance_cd_m2};
 use ocularium::stage::{Head, Session};
 use std::sync::Arc;
 
@@ -45,6 +46,7 @@ fn photograph(depth_m: PhotoDepth) -> LoadedScene {
         name: "card".into(),
         width: SIDE,
         height: SIDE,
+        course: None,
         rgb16_srgb: texels.collect(),
         depth_m,
         vertical_fov_deg: FOV_DEG,
@@ -263,4 +265,54 @@ fn a_photograph_is_seen_from_far_behind_where_it_was_taken() {
     assert!((middle - 1.0).abs() < 1e-3, "{middle}");
     let share = seen as f64 / f64::from(SIDE * SIDE);
     assert!((0.1..0.25).contains(&share), "{share}");
+}
+
+/// Of pictures that follow one another each is seen in its time, taken once, and the pupil follows their light.
+#[test]
+fn pictures_that_follow_one_another_are_seen_in_their_time() {
+    let _alone = alone();
+    let plain = |code: u16| vec![code; (3 * SIDE * SIDE) as usize];
+    let (dark, light) = (plain(9000), plain(60_000));
+    let LoadedScene::Photo(photo) = photograph(PhotoDepth::Constant(3.0)) else {
+        panic!("a photograph")
+    };
+    let picture = |rgb16_srgb: &Vec<u16>, until_s: f64| CoursePicture {
+        until_s,
+        mean_luminance_cd_m2: mean_luminance_cd_m2(rgb16_srgb),
+        rgb16_srgb: rgb16_srgb.clone(),
+    };
+    let pictures = vec![picture(&dark, 1.0), picture(&light, 4.0)];
+    let scene = LoadedScene::Photo(Arc::new(PhotoScene {
+        rgb16_srgb: dark.clone(),
+        mean_luminance_cd_m2: mean_luminance_cd_m2(&dark),
+        course: Some(Arc::new(PictureCourse { pictures })),
+        ..(*photo).clone()
+    }));
+    let session = Session::new(patient("healthy-brown"), scene, 5);
+    let mut headless = open(session, UVec2::splat(16), UVec2::splat(SIDE), [false, true]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    let middle = |headless: &Headless| {
+        let picture = headless.panel(Which::View).expect("a picture");
+        picture.get_pixel(SIDE / 2, SIDE / 2).0[1]
+    };
+    headless.go_to(0.9);
+    settle(&mut headless);
+    let (shade, wide_mm) = (middle(&headless), headless.state().pupil_mm);
+    let before = headless.work();
+    for time_s in [1.1, 1.6, 2.5, 3.5] {
+        headless.go_to(time_s);
+        settle(&mut headless);
+    }
+    assert_eq!(headless.work().since(before).view_captures, 1, "taken once");
+    let (bright, narrow_mm) = (middle(&headless), headless.state().pupil_mm);
+    assert!(
+        u32::from(bright) > u32::from(shade) + 60,
+        "{shade} and {bright}"
+    );
+    assert!(narrow_mm < wide_mm - 0.5, "{wide_mm} and {narrow_mm} mm");
+    // And again from the first one on.
+    headless.go_to(4.5);
+    settle(&mut headless);
+    assert!(middle(&headless).abs_diff(shade) <= 1);
 }

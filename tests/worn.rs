@@ -579,3 +579,55 @@ fn a_video_is_taken_picture_by_picture() {
     frames(&mut headless, 5);
     assert_eq!(headless.work().since(before).view_captures, 0);
 }
+
+/// A texture that an app has made itself, as a headset's is, has a size too and is drawn into.
+#[test]
+fn a_texture_view_of_somebody_elses_shows_what_is_seen() {
+    use bevy::camera::ManualTextureViewHandle;
+    use bevy::render::render_resource::{TextureDescriptor, TextureUsages};
+    use bevy::render::renderer::RenderDevice;
+    use bevy::render::texture::{ManualTextureView, ManualTextureViews};
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let world = headless.world();
+    let size = UVec2::new(96, 64);
+    let texture = world
+        .resource::<RenderDevice>()
+        .create_texture(&TextureDescriptor {
+            label: Some("a headset's"),
+            size: Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: TextureFormat::Rgba8UnormSrgb,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+    let view = texture.create_view(&default());
+    let handle = ManualTextureViewHandle(7);
+    let view = ManualTextureView::with_default_format(view, size);
+    world
+        .resource_mut::<ManualTextureViews>()
+        .insert(handle, view);
+    let camera = world
+        .spawn((
+            Camera3d::default(),
+            Hdr,
+            RenderTarget::TextureView(handle),
+            SeesAs(ann),
+        ))
+        .id();
+    headless.go_to(0.2);
+    frames(&mut headless, 8);
+    let percept = headless.world().get::<Percept>(camera).expect("a view");
+    assert_eq!(percept.captured().size, size);
+    let shown = headless
+        .texture(&texture, texture.size())
+        .expect("a picture");
+    assert!(mean(&shown) > 5.0, "{}", mean(&shown));
+}

@@ -276,11 +276,16 @@ pub struct Sclera {
 pub struct Lids {
     /// How far they open at rest, 0 (never) to 1.2; 1 is usual: 9.7 mm straight ahead.
     pub opening: f64,
+    /// How far the upper lid alone hangs from there, 0 (not) to 1 (as if closed).
+    pub droop: f64,
 }
 
 impl Default for Lids {
     fn default() -> Self {
-        Self { opening: 1.0 }
+        Self {
+            opening: 1.0,
+            droop: 0.0,
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::appearance::EyeOrbit;
 use crate::lab::render::{PanelChoice, RenderReport, RenderRequest, layout, render};
 use crate::patients::{PRESETS, load_patient};
 use crate::percept::ViewOptions;
-use crate::scene::catalog::{BuiltIn, SceneSource};
+use crate::scene::catalog::{BuiltIn, LoadedScene, SceneSource};
 use crate::stage::{HeadPath, Session};
 use arguments::{Cli, Command, PanelArg, RenderArgs, Shown};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
@@ -116,6 +116,14 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
         complain(&format!("{}: {remark}", shown.patient.display()));
     }
     let scene = source.load(&options, shown.scene_unit.map(SceneUnit::metres))?;
+    let moves = matches!(&scene, LoadedScene::Photo(photo) if photo.course.is_some());
+    if shown.scene_fps.is_some() && !moves {
+        return Err(format!(
+            "--scene-fps is the rate of pictures that follow one another, and the scene {:?} has none",
+            shown.scene
+        )
+        .into());
+    }
     for remark in scene.remarks() {
         complain(remark);
     }

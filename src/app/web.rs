@@ -78,6 +78,10 @@ fn publish_state(
         }
         LoadedScene::Model(_) => serde_json::Value::Null,
     };
+    let picture = match &*stage.scene {
+        LoadedScene::Photo(photo) => photo.picture_at(clock.time_s),
+        LoadedScene::Model(_) => 0,
+    };
     let model_width_m = match &*stage.scene {
         LoadedScene::Model(model) => model.bounds().map(|(low, high)| high[0] - low[0]),
         LoadedScene::Photo(_) => None,
@@ -96,6 +100,7 @@ fn publish_state(
         "sphere_d": patient.sphere_d,
         "scene": stage.scene.name(),
         "photograph": photograph,
+        "picture": picture,
         "model_width_m": model_width_m,
         "seed": controller.seed().to_string(),
         "speed": clock.speed,

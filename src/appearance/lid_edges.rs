@@ -28,13 +28,21 @@ pub struct LidEdges {
     pub lower: LidEdge,
 }
 
-/// The edges of an eye's lids; `aperture` from 0 (closed) to 1.2, 1 as at rest.
+impl LidEdges {
+    /// Do the lids leave anything open of a pupil of this radius, mm?
+    pub fn leave_open(&self, pupil_radius_mm: f64) -> bool {
+        let above = self.upper.height_mm.min(pupil_radius_mm);
+        above > self.lower.height_mm.max(-pupil_radius_mm)
+    }
+}
+
+/// The edges of an eye's lids; `aperture` from 0 (closed) to 1.2, 1 as at rest; `droop` of the upper lid alone, 0 to 1.
 pub fn lid_edges(
     eye: &Eye,
     cornea: &Cornea,
     iris_depth_mm: f64,
     gaze: &Gaze,
-    aperture: f64,
+    (aperture, droop): (f64, f64),
 ) -> LidEdges {
     static FISSURE: LazyLock<Fissure> = LazyLock::new(Fissure::default);
     // The lids are a right eye's; a left one is mirrored into it.
@@ -63,6 +71,7 @@ pub fn lid_edges(
     let pupil = axis * (apex - shown_mm) as f32;
     let pose = LidPose {
         aperture: aperture as f32,
+        droop: droop as f32,
         gaze_azimuth_rad: mirrored.azimuth_rad as f32,
         gaze_elevation_rad: mirrored.elevation_rad as f32,
         squint: 0.0,
@@ -85,6 +94,10 @@ mod tests {
     use super::*;
 
     fn edges(laterality: Laterality, gaze: Gaze, aperture: f64) -> LidEdges {
+        hanging(laterality, gaze, (aperture, 0.0))
+    }
+
+    fn hanging(laterality: Laterality, gaze: Gaze, lids: (f64, f64)) -> LidEdges {
         let eye = Eye {
             laterality,
             scleral_radius_mm: 11.5,
@@ -101,7 +114,7 @@ mod tests {
             limbus_radius_mm: 5.85,
             lipid_thickness_nm: 55.0,
         };
-        lid_edges(&eye, &cornea, 3.6, &gaze, aperture)
+        lid_edges(&eye, &cornea, 3.6, &gaze, lids)
     }
 
     #[test]
@@ -147,14 +160,17 @@ mod tests {
                 lids: Lids::default(),
             };
             Ptosis { mrd1_mm }.write(&mut affected);
-            let opening = affected.lids.opening;
-            let upper = edges(Laterality::OD, Gaze::default(), opening).upper;
+            let lids = (affected.lids.opening, affected.lids.droop);
+            let LidEdges { upper, lower } = hanging(Laterality::OD, Gaze::default(), lids);
+            // The lower lid stays where it is.
+            assert_eq!(lower, edges(Laterality::OD, Gaze::default(), 1.0).lower);
             // The reflex of a light beside the observer lies before the cornea's centre of curvature, the
             // edge is told from the entrance pupil behind it: both on an axis that points 2.5° down.
             let behind_mm = 7.8 - 1.13 * 3.6 / 1.336;
             let above_reflex = upper.height_mm - behind_mm * 2.5f64.to_radians().sin();
             println!(
-                "MRD1 {mrd1_mm}: opening {opening:.3}, drawn {above_reflex:.2} mm above the reflex"
+                "MRD1 {mrd1_mm}: droop {:.3}, drawn {above_reflex:.2} mm above the reflex",
+                lids.1
             );
             assert!(
                 (above_reflex - mrd1_mm).abs() < 0.3,

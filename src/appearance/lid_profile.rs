@@ -116,7 +116,7 @@ pub fn column_profile(
     let thickness = column.thickness_mm();
     let lift = frame.margin.lift_mm;
     let lowered = pose.lowered();
-    let lean = column.lean_mm(pose.aperture);
+    let lean = column.lean_mm(pose.aperture_of(Lid::Upper));
     for (row, [distance, share]) in EDGE.into_iter().enumerate() {
         let distance = distance - lean * share.min(1.0);
         let at = slide(n, frame.away, distance, REST_RADIUS_MM + lift).normalize();

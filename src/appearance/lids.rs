@@ -17,6 +17,8 @@ use glam::Vec3;
 pub struct LidPose {
     /// 0 closed … 1 open as for this gaze at rest, up to 1.2 wide open.
     pub aperture: f32,
+    /// How far the upper lid alone hangs from there, 0 … 1 (closed).
+    pub droop: f32,
     /// Globe azimuth, radians, positive to the patient's right, ±0.9.
     pub gaze_azimuth_rad: f32,
     /// Globe elevation, radians, positive up, ±0.7.
@@ -29,6 +31,7 @@ impl Default for LidPose {
     fn default() -> Self {
         Self {
             aperture: 1.0,
+            droop: 0.0,
             gaze_azimuth_rad: 0.0,
             gaze_elevation_rad: 0.0,
             squint: 0.0,
@@ -43,9 +46,18 @@ impl LidPose {
             |x: f32, low: f32, high: f32, or: f32| if x.is_nan() { or } else { x.clamp(low, high) };
         Self {
             aperture: fix(self.aperture, 0.0, 1.2, 1.0),
+            droop: fix(self.droop, 0.0, 1.0, 0.0),
             gaze_azimuth_rad: fix(self.gaze_azimuth_rad, -0.9, 0.9, 0.0),
             gaze_elevation_rad: fix(self.gaze_elevation_rad, -0.7, 0.7, 0.0),
             squint: fix(self.squint, 0.0, 1.0, 0.0),
+        }
+    }
+
+    /// How far a lid is open, as [`LidPose::aperture`].
+    pub fn aperture_of(&self, lid: Lid) -> f32 {
+        match lid {
+            Lid::Upper => self.aperture * (1.0 - self.droop),
+            Lid::Lower => self.aperture,
         }
     }
 
@@ -53,7 +65,7 @@ impl LidPose {
     pub fn lowered(&self) -> f32 {
         let pose = self.clamped();
         let by_gaze = (-pose.gaze_elevation_rad).max(0.0) * 0.75;
-        1.0 - pose.aperture.min(1.0) * (1.0 - by_gaze.min(0.8))
+        1.0 - pose.aperture_of(Lid::Upper).min(1.0) * (1.0 - by_gaze.min(0.8))
     }
 }
 
@@ -206,8 +218,9 @@ impl Fissure {
             Lid::Upper => (upper, 0.55),
             Lid::Lower => (lower, 0.25),
         };
-        let beyond = (pose.aperture - 1.0).max(0.0) * widening;
-        let bearing = closed.mix(open, pose.aperture.min(1.0) + beyond);
+        let aperture = pose.aperture_of(lid);
+        let beyond = (aperture - 1.0).max(0.0) * widening;
+        let bearing = closed.mix(open, aperture.min(1.0) + beyond);
         MarginPoint {
             direction: bearing.direction(),
             lift_mm: bearing.lift,

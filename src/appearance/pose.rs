@@ -114,6 +114,7 @@ pub fn move_lids(
         let mirror = side(eye.laterality);
         let pose = LidPose {
             aperture: (lids.aperture * own.0.opening) as f32,
+            droop: own.0.droop as f32,
             gaze_azimuth_rad: mirror * gaze.azimuth_rad as f32,
             gaze_elevation_rad: gaze.elevation_rad as f32,
             squint: 0.0,

@@ -1,7 +1,7 @@
 //! Ptosis: an upper lid that hangs.
 //!
 //! Enters: the margin reflex distance (MRD1), from the light's reflection on the cornea to the margin of
-//! the upper lid. Leaves: how far the lids open.
+//! the upper lid. Leaves: how far the upper lid hangs; the lower one stays.
 
 use super::{Affected, Condition, Control};
 use bevy::ecs::reflect::ReflectComponent;
@@ -45,8 +45,10 @@ impl Condition for Ptosis {
 
     fn write(&self, affected: &mut Affected) {
         let drop_mm = (USUAL_MM - self.mrd1_mm).clamp(0.0, TRAVEL_MM);
+        let lids = &mut affected.lids;
         // Where the margin is, however wide the lids would open without it.
-        affected.lids.opening = affected.lids.opening.min(1.0 - drop_mm / TRAVEL_MM);
+        let share = (1.0 - drop_mm / TRAVEL_MM) / lids.opening.max(f64::MIN_POSITIVE);
+        lids.droop = lids.droop.max(1.0 - share).clamp(0.0, 1.0);
     }
 
     fn caption(&self) -> String {
@@ -63,6 +65,7 @@ mod tests {
     use super::*;
     use crate::anatomy::Laterality;
 
+    /// How far the upper lid opens.
     fn opening(mrd1_mm: f64) -> f64 {
         opening_of(1.0, mrd1_mm)
     }
@@ -71,7 +74,7 @@ mod tests {
         let mut affected = Affected::healthy(Laterality::OD, 60.0);
         affected.lids.opening = own;
         Ptosis { mrd1_mm }.write(&mut affected);
-        affected.lids.opening
+        affected.lids.opening * (1.0 - affected.lids.droop)
     }
 
     #[test]
@@ -81,8 +84,9 @@ mod tests {
         assert!((opening(2.0) - 0.716).abs() < 1e-3);
         assert!((opening(-4.0) - 0.0047).abs() < 1e-3);
         // The margin is where it was measured, whatever the lids would do; unless they open less.
-        assert_eq!(opening_of(1.2, 2.0), opening(2.0));
-        assert_eq!((opening_of(1.2, 4.4), opening_of(0.3, 2.0)), (1.0, 0.3));
+        assert!((opening_of(1.2, 2.0) - opening(2.0)).abs() < 1e-12);
+        assert!((opening_of(1.2, 4.4) - 1.0).abs() < 1e-12);
+        assert_eq!((opening_of(0.3, 2.0), opening_of(0.0, 2.0)), (0.3, 0.0));
         assert_eq!(opening(f64::NAN), 1.0);
         assert_eq!(opening(f64::NEG_INFINITY), 0.0);
     }

@@ -16,8 +16,8 @@ use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
-    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout,
+    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, Texture,
 };
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
@@ -383,7 +383,15 @@ impl Headless {
             .resource::<RenderAssets<GpuImage>>()
             .get(image)
             .ok_or_else(no_picture)?;
-        let size = image.texture_descriptor.size;
+        self.texture(&image.texture, image.texture_descriptor.size)
+    }
+
+    /// What a texture of 8-bit RGBA of the device shows.
+    ///
+    /// # Errors
+    /// Where the device does not hand it over.
+    pub fn texture(&self, texture: &Texture, size: Extent3d) -> Result<RgbaImage, HeadlessError> {
+        let render_world = self.app.sub_app(RenderApp).world();
         let device = render_world.resource::<RenderDevice>();
         let queue = render_world.resource::<RenderQueue>();
         let row = size.width as usize * 4;
@@ -396,7 +404,7 @@ impl Headless {
         });
         let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(
-            image.texture.as_image_copy(),
+            texture.as_image_copy(),
             TexelCopyBufferInfo {
                 buffer: &buffer,
                 layout: TexelCopyBufferLayout {

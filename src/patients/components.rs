@@ -100,6 +100,7 @@ impl PatientFile {
             },
             Lids {
                 opening: own.lid_opening,
+                droop: 0.0,
             },
         )
     }

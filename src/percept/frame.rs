@@ -9,7 +9,7 @@ use bevy::image::Image;
 use bevy::math::UVec2;
 use bevy::prelude::Component;
 use bevy::render::extract_component::ExtractComponent;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Where a capture takes its picture from.
@@ -121,6 +121,7 @@ impl CaptureResult {
 struct Returned {
     result: Mutex<Option<CaptureResult>>,
     recorded: AtomicU64,
+    is_lost: AtomicBool,
 }
 
 /// Carries finished captures from the render world; cloning shares it.
@@ -131,6 +132,16 @@ impl PerceptReturn {
     /// Leaves a result; an older one that nobody took is replaced.
     pub fn give(&self, result: CaptureResult) {
         *self.lock() = Some(result);
+    }
+
+    /// Says that one was lost on the way.
+    pub fn lose(&self) {
+        self.0.is_lost.store(true, Ordering::Release);
+    }
+
+    /// Was one lost since this was last asked?
+    pub fn take_lost(&self) -> bool {
+        self.0.is_lost.swap(false, Ordering::AcqRel)
     }
 
     /// Takes the result, if there is one.

@@ -237,6 +237,7 @@ mod tests {
             name: "p".into(),
             width: 40,
             height: 20,
+            course: None,
             rgb16_srgb: vec![0; 2400],
             depth_m,
             vertical_fov_deg: 20.0,

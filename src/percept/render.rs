@@ -431,13 +431,21 @@ fn show(
 /// Hands finished copies to the main world.
 fn collect(mut gpu: ResMut<PerceptGpu>, frames: Query<&PerceptFrame>) {
     for (entity, view) in &mut gpu.views {
-        if let Some(capture) = view.readback.take_finished() {
-            // Each capture that nobody has read since may have added a voxel a pixel.
-            let since = capture.size.element_product().saturating_mul(view.unread);
-            view.memory.occupied = capture.occupied.saturating_add(since);
-            if let Ok(frame) = frames.get(*entity) {
-                frame.returned.give(capture);
+        let Some(arrived) = view.readback.take_finished() else {
+            continue;
+        };
+        let frame = frames.get(*entity);
+        let Some(capture) = arrived else {
+            if let Ok(frame) = frame {
+                frame.returned.lose();
             }
+            continue;
+        };
+        // Each capture that nobody has read since may have added a voxel a pixel.
+        let since = capture.size.element_product().saturating_mul(view.unread);
+        view.memory.occupied = capture.occupied.saturating_add(since);
+        if let Ok(frame) = frame {
+            frame.returned.give(capture);
         }
     }
 }

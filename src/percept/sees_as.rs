@@ -15,6 +15,7 @@ use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::*;
 use bevy::render::extract_component::ExtractComponent;
 use bevy::render::render_resource::TextureUsages;
+use bevy::render::texture::ManualTextureViews;
 use bevy::window::{PrimaryWindow, WindowRef};
 
 /// Makes a camera see as this eye does, or as the leading eye of this person.
@@ -40,7 +41,7 @@ pub struct Worn {
     tonemapping: Option<Tonemapping>,
     was_active: bool,
     depth_usages: TextureUsages,
-    /// Who hands the picture on to a window, or to a part of a target, and that picture.
+    /// Who hands the picture on to a window, a texture view, or to a part of a target, and that picture.
     presenter: Option<(Entity, Handle<Image>)>,
     /// What Bevy draws the scene into for us; none before its size is known.
     picture: Option<ImageRenderTarget>,
@@ -87,7 +88,11 @@ impl Worn {
 
     /// Does somebody else have to bring the picture to where it is to be seen?
     fn is_handed_on(&self) -> bool {
-        self.viewport.is_some() || matches!(self.target, RenderTarget::Window(_))
+        let is_elsewhere = matches!(
+            self.target,
+            RenderTarget::Window(_) | RenderTarget::TextureView(_)
+        );
+        self.viewport.is_some() || is_elsewhere
     }
 }
 
@@ -263,6 +268,7 @@ pub(super) fn measure_targets(
     mut cameras: Query<(&mut Worn, Option<&Panel>)>,
     windows: Query<&Window>,
     primary: Query<Entity, With<PrimaryWindow>>,
+    manual: Option<Res<ManualTextureViews>>,
     mut images: ResMut<Assets<Image>>,
 ) {
     for (mut worn, panel) in &mut cameras {
@@ -283,7 +289,11 @@ pub(super) fn measure_targets(
                     .map(Window::physical_size)
             }
             (RenderTarget::Image(image), None) => images.get(&image.handle).map(Image::size),
-            (RenderTarget::TextureView(_) | RenderTarget::None { .. }, None) => None,
+            (RenderTarget::TextureView(view), None) => manual
+                .as_ref()
+                .and_then(|views| views.get(view))
+                .map(|view| view.size),
+            (RenderTarget::None { .. }, None) => None,
         };
         let Some(size) = size.filter(|size| size.min_element() > 0) else {
             continue;

@@ -76,6 +76,8 @@ pub(super) struct Asked {
 #[derive(Debug)]
 pub(super) struct LaidOut {
     pub(super) photo: Arc<PhotoScene>,
+    /// Which of its pictures.
+    pub(super) picture: usize,
     pub(super) taken_from: Isometry3d,
     pub(super) colour: Handle<Image>,
     pub(super) vergence: Handle<Image>,
@@ -281,6 +283,10 @@ pub(super) fn receive(
     let (mut is_waiting, mut can_see) = (false, false);
     for (sees, worn, options, mut percept, panel) in &mut views {
         let mut is_news = false;
+        if percept.returned.take_lost() {
+            // It is asked for again.
+            percept.is_unread = percept.stage == Stage::Asked && percept.is_recorded();
+        }
         let own = (percept.is_new, percept.born);
         if let Some(result) = percept.returned.take()
             && result.serial > percept.captured.serial

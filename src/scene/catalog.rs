@@ -5,8 +5,9 @@
 
 use super::gltf_file::{Beside, load_gltf_among};
 use super::model::{SceneError, SceneModel};
-use super::photo::{PhotoOptions, PhotoScene, load_photo, read_file};
+use super::photo::{PhotoOptions, PhotoScene, read_file, read_named_file};
 use super::picture_file::{READABLE, foreign_format};
+use super::pictures::{load_pictures, pictures_in};
 use super::room;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -118,12 +119,12 @@ pub enum SceneSource {
         /// What is in it.
         bytes: Vec<u8>,
     },
-    /// A photograph, perhaps with a depth image.
+    /// A photograph, or several that follow one another, perhaps with a depth image.
     Photo {
-        /// The photograph.
+        /// The photograph, or the folder in which they are.
         path: PathBuf,
-        /// What is in it.
-        bytes: Vec<u8>,
+        /// The files, in the order in which they are seen, and what is in them.
+        files: Vec<(String, Vec<u8>)>,
         /// Its depth image.
         depth: Option<PathBuf>,
     },
@@ -191,6 +192,9 @@ impl SceneSource {
                 known: known.join(", "),
             });
         }
+        if path.is_dir() {
+            return Self::of_folder(path, depth);
+        }
         let bytes = read_file(path)?;
         match FileKind::of(path, &bytes) {
             Some(FileKind::Model) => {
@@ -202,7 +206,7 @@ impl SceneSource {
             }
             Some(FileKind::Picture) => Ok(Self::Photo {
                 path: path.into(),
-                bytes,
+                files: vec![(shown, bytes)],
                 depth: depth.map(Into::into),
             }),
             None => Err(SceneError::Malformed {
@@ -213,6 +217,17 @@ impl SceneSource {
                 }),
             }),
         }
+    }
+
+    /// The pictures of a folder, one after the other.
+    fn of_folder(folder: &Path, depth: Option<&Path>) -> Result<Self, SceneError> {
+        let read = |path: PathBuf| Ok((path.display().to_string(), read_file(&path)?));
+        let files: Result<_, SceneError> = pictures_in(folder)?.into_iter().map(read).collect();
+        Ok(Self::Photo {
+            path: folder.into(),
+            files: files?,
+            depth: depth.map(Into::into),
+        })
     }
 
     /// Loads it: a photograph with these options, a model whose unit is `unit_m` metres.
@@ -229,8 +244,19 @@ impl SceneSource {
                 let model = load_gltf_among(bytes, &name, Beside::Folder(folder), unit_m)?;
                 Ok(LoadedScene::Model(Box::new(model)))
             }
-            Self::Photo { path, bytes, depth } => {
-                let photo = load_photo(bytes, path, depth.as_deref(), options)?;
+            Self::Photo { path, files, depth } => {
+                let depth_bytes = depth
+                    .as_deref()
+                    .map(|depth| read_named_file(depth, "depth image"))
+                    .transpose()?;
+                let depth_name = depth.as_deref().map(|depth| depth.display().to_string());
+                let files: Vec<(String, &[u8])> = files
+                    .iter()
+                    .map(|(name, bytes)| (name.clone(), &bytes[..]))
+                    .collect();
+                let name = path.display().to_string();
+                let depth = depth_bytes.as_deref().zip(depth_name.as_deref());
+                let photo = load_pictures(&files, &name, depth, options)?;
                 Ok(LoadedScene::Photo(Arc::new(photo)))
             }
         }
@@ -312,11 +338,16 @@ mod tests {
                 .to_string()
                 .contains("is empty")
         );
-        let folder_error =
-            SceneSource::resolve(folder.path().display().to_string(), None).unwrap_err();
-        assert!(
-            folder_error.to_string().contains("cannot be read"),
-            "{folder_error}"
-        );
+        // Of a folder the pictures are taken, and one of them is none.
+        let of_folder = SceneSource::resolve(folder.path(), None).unwrap_err();
+        assert!(of_folder.to_string().contains("fake.png"), "{of_folder}");
+        std::fs::remove_file(&fake).unwrap();
+        for name in ["1.png", "2.png"] {
+            std::fs::copy(&photo, folder.path().join(name)).unwrap();
+        }
+        let Ok(LoadedScene::Photo(pictures)) = SceneSource::resolve(folder.path(), None) else {
+            panic!("two pictures")
+        };
+        assert_eq!(pictures.course.as_ref().map(|c| c.pictures.len()), Some(2));
     }
 }

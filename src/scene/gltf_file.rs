@@ -1,41 +1,46 @@
 //! Scenes from glTF 2.0 files (`.gltf`, `.glb`).
 //!
 //! Enters: a file or its bytes. Leaves: a [`SceneModel`] in world space. Taken from the file:
-//! triangles, strips and fans of the default scene with their nodes' transforms, skins and morphs at
-//! rest, normals (flat ones where there are none, as the specification demands), textures by two sets of
+//! triangles, strips and fans of the default scene with their nodes' transforms, skins and morphs, the first
+//! animation of these, normals (flat ones where there are none, as the specification demands), textures by two sets of
 //! coordinates a material, unlit materials, vertex colours, `KHR_lights_punctual`, the first perspective
-//! camera as the right eye. Emission 1 in a file is [`EMISSION_CD_M2`]. Points, lines and animations are
-//! left out.
+//! camera as the right eye. Emission 1 in a file is [`EMISSION_CD_M2`]. Points and lines are left out.
 //!
 //! Every accessor is checked against its buffer before it is read, so that no file can cause a
 //! panic or a read beyond its data.
 
-use super::model::{EyePlacement, SceneError, SceneMesh, SceneModel, UNLIT_WHITE_CD_M2};
+use super::model::{EyePlacement, SceneError, SceneModel, UNLIT_WHITE_CD_M2};
 use super::trace::Tracer;
 use crate::input_file::one_clause;
-use glam::{Mat3, Mat4, Vec3};
-use gltf::accessor::Dimensions;
-use gltf::{Accessor, Document, Primitive, Semantic, buffer, mesh::Mode};
+use glam::{Mat4, Vec3};
+use gltf::{Document, buffer};
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 mod accessors;
 mod beside;
 mod blends;
 mod coordinates;
+mod course;
 mod extras;
 mod framing;
 mod lights;
+mod moving;
 mod pose;
+mod primitives;
 mod refusals;
 mod surfaces;
 
 pub use beside::Beside;
 use beside::read_buffers;
-use coordinates::{Layout, UvMap};
+use coordinates::Layout;
+use course::{Course, read_course};
 use extras::Surroundings;
-use framing::{frame, odd_size};
+use framing::{eye_of_camera, frame, odd_angle, odd_size};
 use lights::{default_lights, read_light};
-use pose::{Pose, joint_matrices, morph_vertices, skin_vertices};
+use moving::{Gathered, Placed};
+use pose::{Pose, joint_matrices};
+use primitives::read_primitive;
 use refusals::{check_extensions, compression_used, unread};
 use surfaces::Surfaces;
 
@@ -187,11 +192,10 @@ fn load(
         background: [120.0, 140.0, 165.0],
         ..Default::default()
     };
-    let root = Mat4::from_scale(Vec3::splat(unit_m.unwrap_or(1.0)));
     scene.remarks = left_out(&document, name);
     scene.remarks.extend(unread);
     scene.remarks.extend(damaged);
-    let camera = walk(&document, &source, root, &mut scene)?;
+    let camera = walk(&document, &source, unit_m.unwrap_or(1.0), &mut scene)?;
     if let Some(root) = root_of(&document) {
         let surroundings: Surroundings = extras::read(root.extras(), "scene", &source)?;
         surroundings.apply(&mut scene, &source)?;
@@ -228,75 +232,74 @@ fn root_of(document: &Document) -> Option<gltf::Scene<'_>> {
         .or_else(|| document.scenes().next())
 }
 
-/// Adds every node's meshes and lights to the scene; returns the first camera.
-fn walk(
-    document: &Document,
+/// Every node of the scene, where it is at time 0; whoever carries comes before what it carries.
+fn place_nodes<'a>(
+    document: &'a Document,
     source: &Source,
     base: Mat4,
-    scene: &mut SceneModel,
-) -> Result<Option<EyePlacement>, SceneError> {
+    course: &Course,
+) -> Result<Vec<Placed<'a>>, SceneError> {
     // A file without a scene shows all the nodes that are nobody's children.
     let mut stack: Vec<_> = match root_of(document) {
-        Some(root) => root.nodes().map(|node| (node, base, 0)).collect(),
+        Some(root) => root.nodes().map(|node| (node, None, 0)).collect(),
         None => {
-            let children: Vec<usize> = document
+            let children: HashSet<usize> = document
                 .nodes()
                 .flat_map(|n| n.children().map(|c| c.index()).collect::<Vec<_>>())
                 .collect();
             let roots = document.nodes().filter(|n| !children.contains(&n.index()));
-            roots.map(|node| (node, base, 0)).collect()
+            roots.map(|node| (node, None, 0)).collect()
         }
     };
     stack.reverse();
-    // All places first: a skin's joints may come after its mesh.
-    let mut placed: Vec<(gltf::Node, Mat4)> = Vec::new();
+    let mut placed: Vec<Placed> = Vec::new();
     while let Some((node, parent, depth)) = stack.pop() {
         if depth > MAX_NODE_DEPTH || placed.len() >= MAX_NODES {
             return Err(source.malformed("its nodes form a loop or are nested too deeply"));
         }
-        let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
+        let carrier: Option<&Placed> = parent.map(|at: usize| &placed[at]);
+        let at = placed.len();
         let children: Vec<_> = node.children().collect();
-        placed.push((node, world));
         stack.extend(
             children
                 .into_iter()
                 .rev()
-                .map(|child| (child, world, depth + 1)),
+                .map(|child| (child, Some(at), depth + 1)),
         );
+        placed.push(Placed {
+            world: carrier.map_or(base, |place| place.world) * course.place_of(&node),
+            moves: course.moves(&node) || carrier.is_some_and(|place| place.moves),
+            parent: carrier.map(|place| place.node.index()),
+            node,
+        });
     }
+    Ok(placed)
+}
+
+/// Adds every node's meshes and lights to the scene; returns the first camera.
+fn walk(
+    document: &Document,
+    source: &Source,
+    unit_m: f32,
+    scene: &mut SceneModel,
+) -> Result<Option<EyePlacement>, SceneError> {
+    let course = read_course(document, source)?;
+    // All places first: a skin's joints may come after its mesh.
+    let base = Mat4::from_scale(Vec3::splat(unit_m));
+    let placed = place_nodes(document, source, base, &course)?;
     let places: HashMap<usize, Mat4> = placed
         .iter()
-        .map(|(node, world)| (node.index(), *world))
+        .map(|place| (place.node.index(), place.world))
         .collect();
+    let weights: Vec<Vec<f32>> = placed
+        .iter()
+        .map(|place| course.weights_of(&place.node))
+        .collect();
+    let mut moving = Gathered::new(&placed, course, unit_m, source)?;
     let mut camera = None;
-    for (node, world) in placed {
-        let joints = node
-            .skin()
-            .map(|skin| joint_matrices(&skin, &places, source))
-            .transpose()?;
-        if let Some(mesh) = node.mesh() {
-            let name = mesh
-                .name()
-                .or(node.name())
-                .map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
-            for primitive in mesh.primitives() {
-                let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
-                let pose = Pose {
-                    world,
-                    joints: joints.as_deref(),
-                    weights,
-                };
-                if let Some(part) = read_primitive(&primitive, &name, &pose, source, scene)? {
-                    scene.meshes.push(part);
-                }
-                if scene.triangle_count() > MAX_TRIANGLES {
-                    return Err(
-                        source.content(format!("it has more than {MAX_TRIANGLES} triangles"))
-                    );
-                }
-            }
-        }
-        if let (None, Some(lens)) = (&camera, node.camera()) {
+    for (place, weights) in placed.iter().zip(&weights) {
+        add_meshes(place, weights, &places, source, scene, &mut moving)?;
+        if let (None, Some(lens)) = (&camera, place.node.camera()) {
             if matches!(lens.projection(), gltf::camera::Projection::Orthographic(_)) {
                 scene.remarks.push(format!(
                     "\"{}\": its camera {} is orthographic, which no eye is, and was passed over.",
@@ -306,227 +309,81 @@ fn walk(
             } else {
                 scene.remarks.extend(odd_angle(&lens, source.name));
                 camera = Some(
-                    eye_of_camera(&lens, world)
+                    eye_of_camera(&lens, place.world)
                         .ok_or_else(|| source.content("its camera has no usable orientation"))?,
                 );
+                if place.moves {
+                    scene.remarks.push(format!(
+                        "\"{}\": its camera moves in the file; here it begins there, and the head moves it.",
+                        source.name
+                    ));
+                }
             }
         }
-        if let Some(light) = node.light() {
+        if let Some(light) = place.node.light() {
             let own = extras::read(light.extras(), "light", source)?;
-            scene.lights.extend(read_light(&light, world, &own));
+            if let Some(light) = read_light(&light, place.world, &own) {
+                moving.add_light(place, scene.lights.len());
+                scene.lights.push(light);
+            }
         }
     }
+    scene.remarks.append(&mut moving.remarks);
+    scene.motion = moving.finish().map(Arc::new);
     Ok(camera)
 }
 
-/// One primitive as a world-space mesh; `None` for points and lines.
-fn read_primitive(
-    primitive: &Primitive,
-    name: &str,
-    pose: &Pose,
+/// Adds a node's meshes to the scene.
+fn add_meshes(
+    place: &Placed,
+    weights: &[f32],
+    places: &HashMap<usize, Mat4>,
     source: &Source,
-    scene: &SceneModel,
-) -> Result<Option<SceneMesh>, SceneError> {
-    if !matches!(
-        primitive.mode(),
-        Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
-    ) {
-        return Ok(None);
-    }
-    let Some(positions) = primitive.get(&Semantic::Positions) else {
-        return Err(source.content(format!("mesh \"{name}\" has no positions")));
+    scene: &mut SceneModel,
+    moving: &mut Gathered,
+) -> Result<(), SceneError> {
+    let Some(mesh) = place.node.mesh() else {
+        return Ok(());
     };
-    let mut positions = accessors::read::<3>(source, &positions, "positions", false)?;
-    let material = primitive
-        .material()
-        .index()
-        .unwrap_or(scene.materials.len() - 1);
-    let layout = Layout::of(&primitive.material());
-    let order: Vec<u32> = match primitive.indices() {
-        Some(accessor) => accessors::read_indices(source, &accessor)?,
-        None => (0..positions.len() as u32).collect(),
-    };
-    let mut normals = primitive
-        .get(&Semantic::Normals)
-        .map(|accessor| accessors::read::<3>(source, &accessor, "normals", true))
+    let joints = place
+        .node
+        .skin()
+        .map(|skin| joint_matrices(&skin, places, source))
         .transpose()?;
-    let coordinates = |map: UvMap| -> Result<Option<Vec<[f32; 2]>>, SceneError> {
-        let Some(accessor) = primitive.get(&Semantic::TexCoords(map.set)) else {
-            return Ok(None);
+    let name = mesh
+        .name()
+        .or(place.node.name())
+        .map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+    for primitive in mesh.primitives() {
+        let pose = Pose {
+            world: place.world,
+            joints: joints.as_deref(),
+            weights,
         };
-        let mut uvs =
-            accessors::read::<2>(source, &accessor, "texture coordinates", !source.quantised)?;
-        map.apply(&mut uvs);
-        Ok(Some(uvs))
-    };
-    let uvs = coordinates(layout.first)?;
-    let second_uvs = match layout.second {
-        Some(map) => coordinates(map)?.or_else(|| Some(vec![[0.0; 2]; positions.len()])),
-        None => None,
-    };
-    let colors = primitive
-        .get(&Semantic::Colors(0))
-        .map(|accessor| read_colors(source, &accessor))
-        .transpose()?;
-    morph_vertices(
-        primitive,
-        pose.weights,
-        source,
-        &mut positions,
-        normals.as_mut(),
-    )?;
-    let skinned = match pose.joints {
-        Some(joints) => skin_vertices(primitive, joints, source, &mut positions, normals.as_mut())?,
-        None => false,
-    };
-    let world = if skinned { Mat4::IDENTITY } else { pose.world };
-    let textured = scene.materials[material].textures().next().is_some();
-    let mut mesh = SceneMesh {
-        name: name.into(),
-        uvs: uvs.or_else(|| textured.then(|| vec![[0.0; 2]; positions.len()])),
-        second_uvs,
-        colors,
-        normals: vec![[0.0, 1.0, 0.0]; positions.len()],
-        indices: triangles(primitive.mode(), &order),
-        positions,
-        material,
-    };
-    if let Some(fault) = mesh.fault(scene.materials.len()) {
-        return Err(source.content(fault));
-    }
-    place(&mut mesh, normals, world);
-    match mesh.fault(scene.materials.len()) {
-        Some(fault) => Err(source.content(fault)),
-        None => Ok(Some(mesh)),
-    }
-}
-
-fn read_colors(source: &Source, accessor: &Accessor) -> Result<Vec<[f32; 4]>, SceneError> {
-    if accessor.dimensions() == Dimensions::Vec3 {
-        let rgb = accessors::read::<3>(source, accessor, "colours", true)?;
-        return Ok(rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect());
-    }
-    accessors::read::<4>(source, accessor, "colours", true)
-}
-
-/// Strips and fans as separate triangles; a trailing incomplete one is dropped.
-fn triangles(mode: Mode, order: &[u32]) -> Vec<u32> {
-    match mode {
-        Mode::TriangleStrip => {
-            let turned = |(i, t): (usize, &[u32])| {
-                if i % 2 == 0 {
-                    [t[0], t[1], t[2]]
-                } else {
-                    [t[1], t[0], t[2]]
-                }
-            };
-            order.windows(3).enumerate().flat_map(turned).collect()
+        if let Some((part, order)) = read_primitive(&primitive, &name, &pose, source, scene)? {
+            let index = scene.meshes.len();
+            moving.add_mesh(place, &primitive, (index, &part), order.as_deref(), source)?;
+            scene.meshes.push(part);
         }
-        Mode::TriangleFan => order
-            .windows(2)
-            .skip(1)
-            .flat_map(|edge| [order[0], edge[0], edge[1]])
-            .collect(),
-        _ => order[..order.len() - order.len() % 3].to_vec(),
-    }
-}
-
-/// Moves a mesh into the world and gives it unit normals: the file's, or flat ones.
-fn place(mesh: &mut SceneMesh, normals: Option<Vec<[f32; 3]>>, world: Mat4) {
-    for position in &mut mesh.positions {
-        *position = world.transform_point3((*position).into()).into();
-    }
-    let linear = Mat3::from_mat4(world);
-    if linear.determinant() < 0.0 {
-        mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
-    }
-    let face_normal = |mesh: &SceneMesh, t: &[u32]| {
-        let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(mesh.positions[t[k] as usize]));
-        (b - a).cross(c - a).normalize_or(Vec3::Y)
-    };
-    let Some(normals) = normals.filter(|n| n.len() == mesh.positions.len()) else {
-        let order = std::mem::take(&mut mesh.indices);
-        mesh.normals = order
-            .chunks_exact(3)
-            .flat_map(|t| [face_normal(mesh, t).into(); 3])
-            .collect();
-        mesh.positions = order.iter().map(|&i| mesh.positions[i as usize]).collect();
-        let pick2 = |all: &Vec<[f32; 2]>| order.iter().map(|&i| all[i as usize]).collect();
-        let pick4 = |all: &Vec<[f32; 4]>| order.iter().map(|&i| all[i as usize]).collect();
-        mesh.uvs = mesh.uvs.as_ref().map(pick2);
-        mesh.second_uvs = mesh.second_uvs.as_ref().map(pick2);
-        mesh.colors = mesh.colors.as_ref().map(pick4);
-        mesh.indices = (0..order.len() as u32).collect();
-        return;
-    };
-    // The cofactor matrix is the inverse transpose up to scale, and exists for flat scales too.
-    let cofactor = Mat3::from_cols(
-        linear.y_axis.cross(linear.z_axis),
-        linear.z_axis.cross(linear.x_axis),
-        linear.x_axis.cross(linear.y_axis),
-    );
-    let side = linear.determinant().signum();
-    let moved = normals
-        .iter()
-        .map(|&n| (cofactor * Vec3::from(n) * side).normalize_or_zero());
-    mesh.normals = moved.map(Into::into).collect();
-    // Zero or non-finite normals in the file give way to their triangle's own.
-    for t in mesh.indices.chunks_exact(3) {
-        for &i in t {
-            if mesh.normals[i as usize] == [0.0; 3] {
-                mesh.normals[i as usize] = face_normal(mesh, t).into();
-            }
+        if scene.triangle_count() > MAX_TRIANGLES {
+            return Err(source.content(format!("it has more than {MAX_TRIANGLES} triangles")));
         }
     }
-    let unused = |n: &mut [f32; 3]| *n = if *n == [0.0; 3] { [0.0, 1.0, 0.0] } else { *n };
-    mesh.normals.iter_mut().for_each(unused);
-}
-
-fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
-    let position = world.w_axis.truncate();
-    let forward = (-world.z_axis.truncate()).try_normalize()?;
-    let up = (world.y_axis.truncate() - forward * world.y_axis.truncate().dot(forward))
-        .try_normalize()?;
-    let (vertical, aspect) = match camera.projection() {
-        gltf::camera::Projection::Perspective(p) => (p.yfov(), p.aspect_ratio().unwrap_or(1.0)),
-        gltf::camera::Projection::Orthographic(_) => return None,
-    };
-    let vertical = vertical.clamp(CAMERA_RAD[0], CAMERA_RAD[1]);
-    let horizontal = 2.0 * ((0.5 * vertical).tan() * aspect.clamp(0.1, 10.0)).atan();
-    position.is_finite().then(|| EyePlacement {
-        position_m: position.into(),
-        forward: forward.into(),
-        up: up.into(),
-        vertical_fov_deg: vertical.to_degrees(),
-        horizontal_fov_deg: horizontal.to_degrees(),
-    })
-}
-
-/// Vertical angles of a camera that are shown, rad: 1° to 149°.
-const CAMERA_RAD: [f32; 2] = [0.02, 2.6];
-
-/// A remark on a camera whose angle is not one.
-fn odd_angle(camera: &gltf::Camera, name: &str) -> Option<String> {
-    let gltf::camera::Projection::Perspective(lens) = camera.projection() else {
-        return None;
-    };
-    let [least, most] = CAMERA_RAD;
-    (!(least..=most).contains(&lens.yfov())).then(|| {
-        format!(
-            "\"{name}\": its camera {} has a vertical angle (yfov) of {}, and is shown with the nearest of {least} to \
-             {most} rad.",
-            camera.index(),
-            lens.yfov()
-        )
-    })
+    Ok(())
 }
 
 /// What of a file is not shown as it is meant, one sentence each.
 fn left_out(document: &Document, name: &str) -> Vec<String> {
     let mut remarks = Vec::new();
-    if document.animations().next().is_some() {
+    let animations = document.animations().count();
+    if animations > 1 {
+        let first = document.animations().next().and_then(|found| found.name());
         remarks.push(format!(
-            "\"{name}\": its animations are not played; it rests."
+            "\"{name}\": of its {animations} animations the first is played{}.",
+            first.map_or_else(String::new, |first| format!(
+                " (\"{}\")",
+                one_clause(&first)
+            ))
         ));
     }
     let is_spot = |light: gltf::khr_lights_punctual::Light| {

@@ -5,6 +5,7 @@
 //! knows of Bevy or of a GPU.
 //!
 //! - [`model`]: the data and its invariants, [`model::SceneError`]
+//! - [`motion`]: what of it moves by itself, and its course
 //! - [`catalog`]: from a name or a path to a loaded scene
 //! - [`room`]: the furnished room and the clinic corridor with the eye chart
 //! - [`gltf_file`], [`photo`] with [`picture_file`] and [`depth_file`]: the user's own scenes
@@ -15,10 +16,13 @@ pub mod catalog;
 pub mod depth_file;
 pub mod gltf_file;
 pub mod model;
+pub mod motion;
 pub mod paint;
 pub mod photo;
 pub mod photo_view;
 pub mod picture_file;
+pub mod pictures;
+pub mod playing;
 pub mod room;
 pub mod spawn;
 pub mod trace;

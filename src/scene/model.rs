@@ -4,9 +4,10 @@
 //! mesh needs no transform. Photometry is absolute: emission in cd/m², illuminance in lux, flux in
 //! lumens; one white matt surface (albedo 1) under illuminance `E` has luminance `E / π`.
 
+use super::motion::SceneMotion;
 use crate::optics::output::{srgb_decode, srgb_encode};
 use std::path::PathBuf;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// Everything a renderer needs to show a scene from one eye.
 #[derive(Debug, Clone, Default)]
@@ -27,6 +28,8 @@ pub struct SceneModel {
     pub background: [f32; 3],
     /// Mean luminance of the view from [`SceneModel::eye`], cd/m²; it drives the pupil.
     pub mean_luminance_cd_m2: f64,
+    /// What moves by itself; all else of the scene is as it is at time 0.
+    pub motion: Option<Arc<SceneMotion>>,
     /// What a user should know about how the file was read, one sentence each.
     pub remarks: Vec<String>,
 }

@@ -6,10 +6,12 @@
 //! Without a depth image, the whole photograph stands at one distance, 3 m unless told otherwise.
 
 use super::depth_file::{DepthUnit, read_depth};
-use super::model::{SceneError, luminance, srgb16_to_linear};
+use super::model::SceneError;
 use super::picture_file::{Meaning, decode_picture, on_white};
+use super::pictures::{PictureCourse, mean_luminance_cd_m2};
 use crate::input_file::read_input_file;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Largest width or height of an image, texels: the largest texture of a common GPU.
 pub const MAX_SIDE_PX: u32 = 16_384;
@@ -40,6 +42,8 @@ pub struct PhotoScene {
     pub vertical_fov_deg: f32,
     /// Mean luminance with white at [`WHITE_CD_M2`], cd/m².
     pub mean_luminance_cd_m2: f64,
+    /// The pictures that take one another's place, of which the one above is the first.
+    pub course: Option<Arc<PictureCourse>>,
     /// What a user should know about how the files were read, one sentence each.
     pub remarks: Vec<String>,
 }
@@ -76,6 +80,8 @@ pub struct PhotoOptions {
     pub flat_depth_m: f32,
     /// Vertical field of view, degrees, 1–120.
     pub vertical_fov_deg: f32,
+    /// Pictures a second of several, 0.1–240; `None`: as a moving file says, or 25.
+    pub fps: Option<f32>,
 }
 
 impl Default for PhotoOptions {
@@ -86,6 +92,7 @@ impl Default for PhotoOptions {
             far_m: f32::INFINITY,
             flat_depth_m: 3.0,
             vertical_fov_deg: 50.0,
+            fps: None,
         }
     }
 }
@@ -110,11 +117,37 @@ impl PhotoOptions {
         if !(1.0..=120.0).contains(&self.vertical_fov_deg) {
             return fault("vertical_fov_deg", self.vertical_fov_deg, "1 to 120");
         }
+        if let Some(fps) = self.fps.filter(|fps| !(0.1..=240.0).contains(fps)) {
+            return fault("fps", fps, "0.1 to 240");
+        }
         Ok(())
     }
 }
 
 impl PhotoScene {
+    /// Which of its pictures is seen at a time (s, from 0); 0 where it has but one.
+    pub fn picture_at(&self, time_s: f64) -> usize {
+        self.course
+            .as_ref()
+            .map_or(0, |course| course.index_at(time_s))
+    }
+
+    /// Row-major sRGB-encoded RGB of 16 bits of one of its pictures; of the first where there is no such.
+    pub fn picture(&self, index: usize) -> &[u16] {
+        let course = self.course.as_ref();
+        let picture = course.and_then(|course| course.pictures.get(index));
+        picture.map_or(&self.rgb16_srgb, |picture| &picture.rgb16_srgb)
+    }
+
+    /// Mean luminance of one of its pictures, cd/m².
+    pub fn picture_luminance_cd_m2(&self, index: usize) -> f64 {
+        let course = self.course.as_ref();
+        let picture = course.and_then(|course| course.pictures.get(index));
+        picture.map_or(self.mean_luminance_cd_m2, |picture| {
+            picture.mean_luminance_cd_m2
+        })
+    }
+
     /// Distance of one pixel, m.
     pub fn depth_at_m(&self, x: u32, y: u32) -> f32 {
         match &self.depth_m {
@@ -150,23 +183,6 @@ pub fn read_named_file(path: &Path, kind: &'static str) -> Result<Vec<u8>, Scene
     Ok(bytes)
 }
 
-/// Loads a photograph from its bytes and, where given, its depth image from a file.
-pub fn load_photo(
-    photo: &[u8],
-    path: &Path,
-    depth: Option<&Path>,
-    options: &PhotoOptions,
-) -> Result<PhotoScene, SceneError> {
-    let depth_file = depth
-        .map(|depth| read_named_file(depth, "depth image"))
-        .transpose()?;
-    let depth_name = depth.map(|d| d.display().to_string()).unwrap_or_default();
-    let depth = depth_file
-        .as_deref()
-        .map(|bytes| (bytes, depth_name.as_str()));
-    load_photo_bytes(photo, &path.display().to_string(), depth, options)
-}
-
 /// Loads a photograph from memory; `depth` is the depth file's bytes and name.
 pub fn load_photo_bytes(
     bytes: &[u8],
@@ -188,18 +204,15 @@ pub fn load_photo_bytes(
         }
         None => PhotoDepth::Constant(options.flat_depth_m),
     };
-    let total: f64 = rgb16_srgb
-        .chunks_exact(3)
-        .map(|rgb| f64::from(luminance([0, 1, 2].map(|k| srgb16_to_linear(rgb[k])))))
-        .sum();
     Ok(PhotoScene {
         name: source_name.into(),
         width,
         height,
-        mean_luminance_cd_m2: WHITE_CD_M2 * total / (f64::from(width) * f64::from(height)),
+        mean_luminance_cd_m2: mean_luminance_cd_m2(&rgb16_srgb),
         rgb16_srgb,
         depth_m,
         vertical_fov_deg: options.vertical_fov_deg,
+        course: None,
         remarks,
     })
 }

@@ -31,14 +31,15 @@ fn scale_of(source: Vec2, size: Vec2, tan_half_height: f32) -> f32 {
     sides.max_element().min(widest).max(sides.min_element())
 }
 
-/// Colour (RGBA16F, linear), vergence (R32F, 1/m), and the angle (degrees) that the panel's smaller
-/// side now spans.
-pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
+/// Colour (RGBA16F, linear) of the photograph's picture of this index, vergence (R32F, 1/m), and the angle (degrees)
+/// that the panel's smaller side now spans.
+pub fn photo_images(photo: &PhotoScene, picture: usize, size: UVec2) -> (Image, Image, f32) {
     let source = Vec2::new(photo.width as f32, photo.height as f32);
     let full_half = (0.5 * photo.vertical_fov_deg.to_radians()).tan();
     let scale = scale_of(source, size.as_vec2(), full_half);
     let crop = size.as_vec2() * scale;
     let corner = (source - crop) * 0.5;
+    let codes = photo.picture(picture);
     let mut colour = Vec::with_capacity((size.x * size.y * 8) as usize);
     let mut vergence = Vec::with_capacity((size.x * size.y * 4) as usize);
     for y in 0..size.y {
@@ -46,7 +47,7 @@ pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
             let low = corner + Vec2::new(x as f32, y as f32) * scale;
             let covered = (low + scale).min(source) - low.max(Vec2::ZERO);
             let share = (covered.max(Vec2::ZERO) / scale).element_product();
-            for channel in mean_colour(photo, low, low + scale) {
+            for channel in mean_colour(photo, codes, low, low + scale) {
                 colour.extend_from_slice(&f16::from_f32(channel * share).to_le_bytes());
             }
             colour.extend_from_slice(&f16::ONE.to_le_bytes());
@@ -72,7 +73,7 @@ pub fn photo_images(photo: &PhotoScene, size: UVec2) -> (Image, Image, f32) {
 }
 
 /// Mean linear colour of the texels whose centres lie between two corners, or of the nearest one.
-fn mean_colour(photo: &PhotoScene, low: Vec2, high: Vec2) -> [f32; 3] {
+fn mean_colour(photo: &PhotoScene, codes: &[u16], low: Vec2, high: Vec2) -> [f32; 3] {
     let last = UVec2::new(photo.width - 1, photo.height - 1);
     let from = (low + 0.5).floor().max(Vec2::ZERO).as_uvec2().min(last);
     let to = (high - 0.5)
@@ -86,7 +87,7 @@ fn mean_colour(photo: &PhotoScene, low: Vec2, high: Vec2) -> [f32; 3] {
         for x in from.x..=to.x {
             let at = ((y * photo.width + x) * 3) as usize;
             for (channel, total) in sum.iter_mut().enumerate() {
-                *total += super::model::srgb16_to_linear(photo.rgb16_srgb[at + channel]);
+                *total += super::model::srgb16_to_linear(codes[at + channel]);
             }
         }
     }
@@ -124,13 +125,14 @@ mod tests {
             depth_m: PhotoDepth::Constant(0.5),
             vertical_fov_deg,
             mean_luminance_cd_m2: 250.0,
+            course: None,
             remarks: Vec::new(),
         }
     }
 
     /// Light of a panel's pixels, row by row, and the angle of its smaller side.
     fn shown(photo: &PhotoScene, size: UVec2) -> (Vec<f32>, f32) {
-        let (colour, vergence, angle_deg) = photo_images(photo, size);
+        let (colour, vergence, angle_deg) = photo_images(photo, 0, size);
         let colour = colour.data.expect("colours");
         let red = colour
             .chunks_exact(8)

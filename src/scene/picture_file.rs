@@ -12,8 +12,10 @@ use super::catalog::other_format;
 use super::model::SceneError;
 use super::photo::{MAX_SIDE_PX, MAX_TEXELS};
 use crate::input_file::one_clause;
+use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
 use image::{
-    DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, Rgb,
+    AnimationDecoder, DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat,
+    ImageReader, Limits, Rgb,
 };
 use std::io::Cursor;
 
@@ -137,6 +139,71 @@ fn decode_as_it_is(
         });
     }
     Ok(PictureFile { image, remarks })
+}
+
+/// How long the browsers show a picture of which a file says that it passes at once, s.
+const HURRIED_S: f64 = 0.1;
+/// What they take for that, s.
+const AT_ONCE_S: f64 = 0.01;
+
+/// The pictures of a file that moves by itself, upright and in sRGB, and for how long each is seen (s); none of
+/// a file that does not.
+///
+/// # Errors
+/// One sentence on pictures that are damaged, or more than `most`.
+pub fn animated_pictures(
+    bytes: &[u8],
+    source_name: &str,
+    most: usize,
+) -> Result<Vec<(DynamicImage, f64)>, SceneError> {
+    let damaged = |error: ImageError| malformed(source_name, fault(&error));
+    let source = Cursor::new(bytes);
+    let format = readable_format(bytes).map_err(|reason| malformed(source_name, reason))?;
+    let (profile, frames) = match format {
+        ImageFormat::Gif => (
+            None,
+            GifDecoder::new(source).map_err(damaged)?.into_frames(),
+        ),
+        ImageFormat::Png => {
+            let mut decoder = PngDecoder::new(source).map_err(damaged)?;
+            if !decoder.is_apng().unwrap_or(false) {
+                return Ok(Vec::new());
+            }
+            let profile = decoder.icc_profile().ok().flatten();
+            (profile, decoder.apng().map_err(damaged)?.into_frames())
+        }
+        ImageFormat::WebP => {
+            let mut decoder = WebPDecoder::new(source).map_err(damaged)?;
+            if !decoder.has_animation() {
+                return Ok(Vec::new());
+            }
+            (decoder.icc_profile().ok().flatten(), decoder.into_frames())
+        }
+        _ => return Ok(Vec::new()),
+    };
+    let mut pictures = Vec::new();
+    for frame in frames {
+        let frame = frame.map_err(damaged)?;
+        if pictures.len() == most {
+            return Err(SceneError::Content {
+                source_name: source_name.into(),
+                reason: format!(
+                    "it has more than {most} pictures, the most of their size that are kept: take fewer or smaller ones"
+                ),
+            });
+        }
+        let (ms, parts) = frame.delay().numer_denom_ms();
+        let seconds = f64::from(ms) / f64::from(parts.max(1)) / 1000.0;
+        let seconds = if seconds > AT_ONCE_S {
+            seconds
+        } else {
+            HURRIED_S
+        };
+        let image = DynamicImage::ImageRgba8(frame.into_buffer());
+        let image = colour::to_srgb(image, format, bytes, profile.as_deref(), &mut |_| {});
+        pictures.push((image, seconds));
+    }
+    Ok(pictures)
 }
 
 /// A PNG without its ancillary chunks, but for transparency; `None` of other files, and of chunks that

@@ -7,15 +7,20 @@ use super::model::{
     Alpha, OnSecondUvs, SceneLight, SceneMaterial, SceneMesh, SceneModel, SceneTexture,
     UNLIT_WHITE_CD_M2, Wrap,
 };
+use super::motion::MovingMesh;
+use super::playing::Rig;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
+use bevy::ecs::system::SystemParam;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLight, PointLight};
+use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::mesh::{Indices, PrimitiveTopology, UvChannel};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     Extent3d, Face, TextureDimension, TextureFormat, TextureUsages,
 };
+use std::collections::HashMap;
 use wgpu_types::DeviceType;
 
 /// Layer of everything that is looked at.
@@ -35,15 +40,35 @@ pub fn anisotropy(device: DeviceType) -> u16 {
     if device == DeviceType::Cpu { 1 } else { 8 }
 }
 
+/// What a model is made of, as Bevy keeps it.
+#[derive(SystemParam)]
+pub struct SceneAssets<'w> {
+    meshes: ResMut<'w, Assets<Mesh>>,
+    materials: ResMut<'w, Assets<StandardMaterial>>,
+    images: ResMut<'w, Assets<Image>>,
+    skins: ResMut<'w, Assets<SkinnedMeshInverseBindposes>>,
+}
+
 /// Spawns the whole model; its textures are looked up with this [`anisotropy`].
 pub fn spawn_model(
     model: &SceneModel,
     anisotropy: u16,
     commands: &mut Commands,
-    meshes: &mut Assets<Mesh>,
-    materials: &mut Assets<StandardMaterial>,
-    images: &mut Assets<Image>,
+    assets: &mut SceneAssets,
 ) {
+    let SceneAssets {
+        meshes,
+        materials,
+        images,
+        skins,
+    } = assets;
+    let motion = model.motion.as_ref();
+    let mut rig = motion.map(|motion| Rig::spawn(motion, commands, skins));
+    let moved: HashMap<usize, &MovingMesh> = motion
+        .iter()
+        .flat_map(|motion| &motion.meshes)
+        .map(|moving| (moving.mesh, moving))
+        .collect();
     let textures: Vec<Handle<Image>> = model
         .textures
         .iter()
@@ -55,23 +80,41 @@ pub fn spawn_model(
         .iter()
         .map(|material| materials.add(standard_material(material, &textures, mean)))
         .collect();
-    for mesh in &model.meshes {
+    for (index, mesh) in model.meshes.iter().enumerate() {
         let material = &model.materials[mesh.material];
         let normal_map = material.normal_texture.map(|_| &material.on_second_uvs);
-        commands.spawn((
+        let moving = rig.as_mut().zip(moved.get(&index).copied());
+        let drawn = meshes.add(match &moving {
+            Some((rig, moving)) => {
+                rig.bend(bevy_mesh(&rig.unmoved(mesh, moving), normal_map), moving)
+            }
+            None => bevy_mesh(mesh, normal_map),
+        });
+        let mut entity = commands.spawn((
             ScenePart,
-            Mesh3d(meshes.add(bevy_mesh(mesh, normal_map))),
+            Mesh3d(drawn.clone()),
             MeshMaterial3d(handles[mesh.material].clone()),
             NoFrustumCulling,
             RenderLayers::layer(SCENE_LAYER),
         ));
+        if let Some((rig, moving)) = moving {
+            rig.hang(moving, drawn, &mut entity);
+        }
     }
-    for light in &model.lights {
-        spawn_light(light, commands);
+    for (index, light) in model.lights.iter().enumerate() {
+        let Some(mut entity) = spawn_light(light, commands) else {
+            continue;
+        };
+        if let Some(rig) = &rig {
+            rig.carry(index, &mut entity);
+        }
+    }
+    if let Some(rig) = rig {
+        rig.begin(commands);
     }
 }
 
-fn spawn_light(light: &SceneLight, commands: &mut Commands) {
+fn spawn_light<'a>(light: &SceneLight, commands: &'a mut Commands) -> Option<EntityCommands<'a>> {
     let layer = RenderLayers::layer(SCENE_LAYER);
     match *light {
         SceneLight::Point {
@@ -80,20 +123,18 @@ fn spawn_light(light: &SceneLight, commands: &mut Commands) {
             intensity_lm,
             range,
             shadows,
-        } => {
-            commands.spawn((
-                ScenePart,
-                PointLight {
-                    color: linear(color),
-                    intensity: intensity_lm,
-                    range,
-                    shadow_maps_enabled: shadows,
-                    ..default()
-                },
-                Transform::from_translation(position.into()),
-                layer,
-            ));
-        }
+        } => Some(commands.spawn((
+            ScenePart,
+            PointLight {
+                color: linear(color),
+                intensity: intensity_lm,
+                range,
+                shadow_maps_enabled: shadows,
+                ..default()
+            },
+            Transform::from_translation(position.into()),
+            layer,
+        ))),
         SceneLight::Directional {
             direction,
             color,
@@ -101,31 +142,33 @@ fn spawn_light(light: &SceneLight, commands: &mut Commands) {
             shadows,
         } => {
             let direction = Vec3::from(direction).normalize_or(Vec3::NEG_Y);
-            commands.spawn((
-                ScenePart,
-                DirectionalLight {
-                    color: linear(color),
-                    illuminance: illuminance_lux,
-                    shadow_maps_enabled: shadows,
-                    // A page held at a grazing angle to the sun would shade itself in stripes.
-                    shadow_normal_bias: 3.0,
-                    ..default()
-                },
-                CascadeShadowConfigBuilder {
-                    // What is held near gets a map of its own; a browser may run on a software
-                    // rasteriser, where every map is a wait.
-                    num_cascades: if cfg!(target_arch = "wasm32") { 1 } else { 2 },
-                    first_cascade_far_bound: 2.0,
-                    maximum_distance: 12.0,
-                    ..default()
-                }
-                .build(),
-                Transform::default().looking_to(direction, direction.any_orthonormal_vector()),
-                layer,
-            ));
+            Some(
+                commands.spawn((
+                    ScenePart,
+                    DirectionalLight {
+                        color: linear(color),
+                        illuminance: illuminance_lux,
+                        shadow_maps_enabled: shadows,
+                        // A page held at a grazing angle to the sun would shade itself in stripes.
+                        shadow_normal_bias: 3.0,
+                        ..default()
+                    },
+                    CascadeShadowConfigBuilder {
+                        // What is held near gets a map of its own; a browser may run on a software
+                        // rasteriser, where every map is a wait.
+                        num_cascades: if cfg!(target_arch = "wasm32") { 1 } else { 2 },
+                        first_cascade_far_bound: 2.0,
+                        maximum_distance: 12.0,
+                        ..default()
+                    }
+                    .build(),
+                    Transform::default().looking_to(direction, direction.any_orthonormal_vector()),
+                    layer,
+                )),
+            )
         }
         // The camera carries the ambient light.
-        SceneLight::Ambient { .. } => {}
+        SceneLight::Ambient { .. } => None,
     }
 }
 

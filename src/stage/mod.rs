@@ -20,6 +20,7 @@ use crate::patients::PatientFile;
 use crate::percept::places::unseen_places;
 use crate::percept::{Percept, SeesAs, SharpnessField, ViewOptions};
 use crate::scene::catalog::LoadedScene;
+use crate::scene::playing::{PlayingScene, play};
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::system::SystemParam;
@@ -156,7 +157,12 @@ impl Plugin for StagePlugin {
                 Update,
                 (
                     look_unseen.before(EyeCommands),
-                    (carry_out, mind_panels, scene_view::fit_field)
+                    (
+                        carry_out,
+                        mind_panels,
+                        scene_view::fit_field,
+                        scene_view::adapt,
+                    )
                         .chain()
                         .in_set(EyeCommands),
                 )
@@ -164,8 +170,10 @@ impl Plugin for StagePlugin {
             )
             .add_systems(
                 Update,
-                (head::follow_path, head::place_head)
-                    .chain()
+                (
+                    (head::follow_path, head::place_head).chain(),
+                    play.run_if(any_with_component::<PlayingScene>),
+                )
                     .in_set(EyeSystems::Move),
             );
     }

@@ -2,14 +2,15 @@
 
 use super::Stage;
 use super::head::Seat;
-use crate::frame::Panel;
+use crate::anatomy::Adaptation;
+use crate::frame::{Panel, SimulationClock};
 use crate::percept::NEAR_M;
 use crate::percept::{Percept, ViewOptions};
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneModel;
 use crate::scene::photo_view::Photograph;
 use crate::scene::spawn::{
-    SCENE_LAYER, ScenePart, ambient, anisotropy, mean_luminance, spawn_model,
+    SCENE_LAYER, SceneAssets, ScenePart, ambient, anisotropy, mean_luminance, spawn_model,
 };
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Exposure};
@@ -40,16 +41,15 @@ pub(super) struct Scenery<'w, 's> {
             &'static mut ViewOptions,
         ),
     >,
-    meshes: ResMut<'w, Assets<Mesh>>,
-    materials: ResMut<'w, Assets<StandardMaterial>>,
-    images: ResMut<'w, Assets<Image>>,
+    assets: SceneAssets<'w>,
 }
 
 impl Scenery<'_, '_> {
     /// Puts the stage's scene before its view in place of the one that was there.
     pub(super) fn put(&mut self, stage: &Stage, commands: &mut Commands) {
         for entity in &self.old {
-            commands.entity(entity).despawn();
+            // What a node carries goes with it.
+            commands.entity(entity).try_despawn();
         }
         let Ok((mut camera, mut percept, mut options)) = self.views.get_mut(stage.view) else {
             return;
@@ -63,14 +63,7 @@ impl Scenery<'_, '_> {
                     .adapter
                     .as_ref()
                     .map_or(DeviceType::Other, |adapter| adapter.device_type);
-                spawn_model(
-                    model,
-                    anisotropy(device),
-                    commands,
-                    &mut self.meshes,
-                    &mut self.materials,
-                    &mut self.images,
-                );
+                spawn_model(model, anisotropy(device), commands, &mut self.assets);
                 commands
                     .entity(stage.view)
                     .insert(standing_in(model))
@@ -141,5 +134,23 @@ pub(super) fn fit_field(stage: Res<Stage>, mut views: Query<(&Panel, &mut Projec
             far: 1000.0,
             ..default()
         });
+    }
+}
+
+/// The eye gets used to the light of the picture that it sees, where pictures follow one another.
+pub(super) fn adapt(
+    stage: Res<Stage>,
+    clock: Res<SimulationClock>,
+    mut people: Query<&mut Adaptation>,
+) {
+    let LoadedScene::Photo(photo) = &*stage.scene else {
+        return;
+    };
+    if photo.course.is_none() {
+        return;
+    }
+    if let Ok(mut adaptation) = people.get_mut(stage.patient) {
+        let luminance_cd_m2 = photo.picture_luminance_cd_m2(photo.picture_at(clock.time_s));
+        adaptation.set_if_neq(Adaptation { luminance_cd_m2 });
     }
 }

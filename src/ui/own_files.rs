@@ -6,7 +6,8 @@
 use crate::patients::{PatientFile, parse_patient};
 use crate::scene::catalog::{FileKind, LoadedScene, other_format};
 use crate::scene::gltf_file::{Beside, load_gltf_among};
-use crate::scene::photo::{PhotoOptions, load_photo_bytes};
+use crate::scene::photo::PhotoOptions;
+use crate::scene::pictures::{by_number, load_pictures};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -42,7 +43,8 @@ pub struct Placement {
 }
 
 /// Reads what came together: a patient file, or a model with the files that it names, or a
-/// photograph, perhaps with its depth image (the name with `depth` in it).
+/// photograph, perhaps with its depth image (the name with `depth` in it), or three and more pictures
+/// that follow one another by their names.
 ///
 /// # Errors
 /// One sentence about the file that cannot be read.
@@ -51,12 +53,10 @@ pub fn read_own_files(files: &[OwnFile], placement: &Placement) -> Result<Own, S
         return Err("No file was chosen.".into());
     };
     let of_kind = |kind: FileKind| {
-        let mut found = files
-            .iter()
-            .filter(move |file| FileKind::of(&file.name, &file.bytes) == Some(kind));
-        [found.next(), found.next(), found.next()]
+        let is_such = move |file: &&OwnFile| FileKind::of(&file.name, &file.bytes) == Some(kind);
+        files.iter().filter(is_such)
     };
-    if let [Some(model), ..] = of_kind(FileKind::Model) {
+    if let Some(model) = of_kind(FileKind::Model).next() {
         let beside: Vec<(String, Vec<u8>)> = files
             .iter()
             .filter(|file| !std::ptr::eq(*file, model))
@@ -71,33 +71,57 @@ pub fn read_own_files(files: &[OwnFile], placement: &Placement) -> Result<Own, S
             .map(|scene| Own::Scene(LoadedScene::Model(Box::new(scene))))
             .map_err(|error| error.to_string());
     }
-    let (photo, depth) = match of_kind(FileKind::Picture) {
-        [Some(one), None, _] => (one, None),
-        [Some(one), Some(other), None] => {
-            let said = one.is_depth || other.is_depth;
-            let is_depth = |file: &OwnFile| {
-                file.is_depth || (!said && file.name.to_lowercase().contains("depth"))
-            };
-            match (is_depth(one), is_depth(other)) {
-                (false, true) => (one, Some(other)),
-                (true, false) => (other, Some(one)),
-                _ => {
-                    return Err(format!(
-                        "Two pictures came together, \"{}\" and \"{}\", and neither or both are called depth: choose one, or a photograph and its depth image.",
-                        one.name, other.name
-                    ));
-                }
-            }
-        }
-        [Some(_), Some(_), Some(_)] => {
-            return Err("More than two pictures came together: choose one, or a photograph and its depth image.".into());
-        }
-        [None, ..] => return read_patient(first, files.len()),
-    };
+    let pictures: Vec<&OwnFile> = of_kind(FileKind::Picture).collect();
+    if pictures.is_empty() {
+        return read_patient(first, files.len());
+    }
+    let (mut pictures, depth) = told_apart(pictures)?;
+    pictures.sort_by(|a, b| by_number(&a.name, &b.name));
     let depth = depth.map(|depth| (depth.bytes.as_slice(), depth.name.as_str()));
-    load_photo_bytes(&photo.bytes, &photo.name, depth, &placement.photo)
+    let named: Vec<(String, &[u8])> = pictures
+        .iter()
+        .map(|picture| (picture.name.clone(), &picture.bytes[..]))
+        .collect();
+    let name = match &pictures[..] {
+        [first, .., last] => format!("{} … {}", first.name, last.name),
+        _ => pictures[0].name.clone(),
+    };
+    load_pictures(&named, &name, depth, &placement.photo)
         .map(|photo| Own::Scene(LoadedScene::Photo(Arc::new(photo))))
         .map_err(|error| error.to_string())
+}
+
+/// Pictures to be seen, and the depth image among them: that which was given as such, or else the one of a
+/// few that is called so.
+fn told_apart(pictures: Vec<&OwnFile>) -> Result<(Vec<&OwnFile>, Option<&OwnFile>), String> {
+    let is_said = pictures.iter().any(|file| file.is_depth);
+    let is_depth =
+        |file: &OwnFile| file.is_depth || (!is_said && file.name.to_lowercase().contains("depth"));
+    let is_pair = pictures.len() == 2;
+    if pictures.len() == 1 {
+        return Ok((pictures, None));
+    }
+    let (depths, seen): (Vec<&OwnFile>, Vec<&OwnFile>) =
+        pictures.iter().copied().partition(|file| is_depth(file));
+    match (&depths[..], &seen[..]) {
+        ([depth], [_, ..]) => Ok((seen, Some(*depth))),
+        ([], [one, other]) if is_pair => Err(neither_is_depth(one, other)),
+        ([one, other], []) => Err(neither_is_depth(one, other)),
+        ([], _) => Ok((seen, None)),
+        ([first, ..], _) => Err(format!(
+            "{} pictures came together, of which {} are called depth, such as \"{}\": one depth image is that of all.",
+            pictures.len(),
+            depths.len(),
+            first.name
+        )),
+    }
+}
+
+fn neither_is_depth(one: &OwnFile, other: &OwnFile) -> String {
+    format!(
+        "Two pictures came together, \"{}\" and \"{}\", and neither or both are called depth: choose one, a photograph and its depth image, or three and more that follow one another.",
+        one.name, other.name
+    )
 }
 
 fn read_patient(file: &OwnFile, count: usize) -> Result<Own, String> {
@@ -172,6 +196,27 @@ mod tests {
     }
 
     #[test]
+    fn pictures_that_come_together_follow_one_another_by_their_numbers() {
+        let shaded = |shade: u8| png(RgbImage::from_pixel(32, 24, image::Rgb([shade; 3])));
+        let depth = png(GrayImage::from_pixel(32, 24, image::Luma([255])));
+        let files = [
+            file("f10.png", shaded(30)),
+            file("f9.png", shaded(20)),
+            file("f_depth.png", depth),
+            file("f8.png", shaded(10)),
+        ];
+        let Ok(Own::Scene(LoadedScene::Photo(photo))) = read(&files) else {
+            panic!("pictures")
+        };
+        let shade = |index| photo.picture(index)[0] / 257;
+        assert_eq!([0, 1, 2].map(shade), [10, 20, 30]);
+        assert_eq!(photo.name, "f8.png … f10.png");
+        assert!((photo.depth_at_m(3, 3) - 0.5).abs() < 1e-6, "white is near");
+        // As from 25 a second.
+        assert_eq!(photo.picture_at(0.05), 1);
+    }
+
+    #[test]
     fn a_model_finds_the_files_that_came_with_it() {
         let text = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
             "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
@@ -217,9 +262,10 @@ mod tests {
                 vec![
                     file("a.png", picture.clone()),
                     file("b.png", picture.clone()),
-                    file("c.png", picture),
+                    file("depth1.png", picture.clone()),
+                    file("depth2.png", picture),
                 ],
-                &["More than two"],
+                &["4 pictures", "2 are called depth", "depth1.png"],
             ),
             (
                 vec![file("a.heic", &b"\0\0\0\x18ftypheic"[..])],

@@ -7,6 +7,7 @@ import * as pixels from "./pixels.mjs";
 
 const PAGE_PNG = fileURLToPath(new URL("../../tests/data/page.png", import.meta.url));
 const DEPTH = fileURLToPath(new URL("../../tests/data/depth", import.meta.url));
+const THREE_SECONDS = fileURLToPath(new URL("../../tests/data/three_seconds.gif", import.meta.url));
 const ANN = '(name: "Ann", description: "Made for a test.", age_years: 44, sphere_d: -2.5, iris_color: Green)';
 
 const fragment = (page) => page.evaluate(() => location.hash);
@@ -77,6 +78,52 @@ async function checkLink(page) {
   });
 }
 
+/** Means of the view's channels. */
+async function viewMeans(page, name) {
+  const { panels } = await readState(page);
+  const { data } = pixels.crop(await screenshot(page, name), panels.view);
+  const sums = [0, 0, 0];
+  for (let i = 0; i < data.length; i += 4) sums.forEach((sum, k) => (sums[k] = sum + data[i + k]));
+  return sums.map((sum) => (4 * sum) / data.length);
+}
+
+/** A model of a red triangle that is on the left for two seconds and on the right for two. */
+function leapingTriangle() {
+  const floats = [-0.4, -0.4, 0, 0.4, -0.4, 0, 0, 0.4, 0, 0, 2, 4, -0.8, 0, -3, 0.8, 0, -3, -0.8, 0, -3];
+  const accessor = (bufferView, count, type, min, max) => ({ bufferView, componentType: 5126, count, type, min, max });
+  return {
+    asset: { version: "2.0" },
+    extensionsUsed: ["KHR_materials_unlit"],
+    scenes: [{ nodes: [0, 1] }],
+    nodes: [{ mesh: 0 }, { camera: 0 }],
+    cameras: [{ type: "perspective", perspective: { yfov: 0.9, znear: 0.1 } }],
+    materials: [{ extensions: { KHR_materials_unlit: {} }, pbrMetallicRoughness: { baseColorFactor: [1, 0, 0, 1] } }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, material: 0 }] }],
+    animations: [
+      {
+        samplers: [{ input: 1, output: 2, interpolation: "STEP" }],
+        channels: [{ sampler: 0, target: { node: 0, path: "translation" } }],
+      },
+    ],
+    buffers: [
+      {
+        byteLength: 4 * floats.length,
+        uri: `data:application/octet-stream;base64,${Buffer.from(new Float32Array(floats).buffer).toString("base64")}`,
+      },
+    ],
+    bufferViews: [
+      { buffer: 0, byteLength: 36 },
+      { buffer: 0, byteOffset: 36, byteLength: 12 },
+      { buffer: 0, byteOffset: 48, byteLength: 36 },
+    ],
+    accessors: [
+      accessor(0, 3, "VEC3", [-0.4, -0.4, 0], [0.4, 0.4, 0]),
+      accessor(1, 3, "SCALAR", [0], [4]),
+      accessor(2, 3, "VEC3", [-0.8, 0, -3], [0.8, 0, -3]),
+    ],
+  };
+}
+
 async function checkFiles(page) {
   await check("a patient file is opened by the button", async () => {
     const chooser = page.waitForEvent("filechooser", { timeout: 20000 });
@@ -134,6 +181,32 @@ async function checkFiles(page) {
     await published(page, 2);
     await page.mouse.up();
     await becomes(page, "white nearer", (s) => s.photograph[0] < (0.3 * 65535) / 3000);
+  });
+  await check("pictures that follow one another are seen one after the other", async () => {
+    const gif = (await readFile(THREE_SECONDS)).toString("base64");
+    await drop(page, [["three_seconds.gif", gif]]);
+    await becomes(page, "the pictures", (s) => s.scene === "three_seconds.gif");
+    // Red, then blue, each for a second.
+    for (const [name, channel, other] of [["red", 0, 2], ["blue", 2, 0]]) {
+      const seen = await until(MOTION_LIMIT_S, async () => {
+        const means = await viewMeans(page, `pictures-${name}.png`);
+        return means[channel] > 1.5 * means[other];
+      });
+      assert(seen, `the view was never ${name}`);
+    }
+  });
+  await check("a model's own animation is played", async () => {
+    await drop(page, [["leap.gltf", Buffer.from(JSON.stringify(leapingTriangle())).toString("base64")]]);
+    await becomes(page, "the model", (s) => s.scene === "leap.gltf");
+    for (const [name, side] of [["left", -1], ["right", 1]]) {
+      const seen = await until(MOTION_LIMIT_S, async () => {
+        const { panels } = await readState(page);
+        const view = pixels.crop(await screenshot(page, `leap-${name}.png`), panels.view);
+        const middle = pixels.middleOf(view, ([r, g]) => r > 2 * g && r > 40);
+        return middle !== null && side * (middle - 0.5) > 0.1;
+      });
+      assert(seen, `it was never on the ${name}`);
+    }
   });
   await check("a model is shown with the buffer that is dropped beside it", async () => {
     const corners = Buffer.from(new Float32Array([-1, -1, -2, 1, -1, -2, 0, 1, -2]).buffer).toString("base64");

@@ -71,3 +71,16 @@ export function changedFraction(a, b) {
 export function haveChanged(a, b) {
   return changedFraction(a, b) >= CHANGED_FRACTION;
 }
+
+/** Where the pixels `[r, g, b]` that are wanted lie on the mean, from 0 (left) to 1; `null` of too few to say. */
+export function middleOf({ data, width }, wanted) {
+  let sum = 0;
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    if (wanted([data[i], data[i + 1], data[i + 2]])) {
+      sum += (((i / 4) % width) + 0.5) / width;
+      count += 1;
+    }
+  }
+  return count < 20 ? null : sum / count;
+}

@@ -2,7 +2,8 @@
 
 use super::placement::{SceneUnit, Span, parse_at, parse_length, parse_span};
 use super::values::{
-    parse_distance, parse_fps, parse_orbit, parse_seconds, parse_seed, parse_size, parse_threshold,
+    parse_distance, parse_fps, parse_orbit, parse_scene_fps, parse_seconds, parse_seed, parse_size,
+    parse_threshold,
 };
 use crate::lab::measure::MeasureTable;
 use crate::scene::depth_file::DepthUnit;
@@ -34,8 +35,8 @@ pub(super) struct Shown {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
     #[arg(long, default_value = "healthy-brown", value_name = "P")]
     pub(super) patient: PathBuf,
-    /// A built-in scene (`ocularium scenes`), a glTF or GLB file, or a photograph (PNG, JPEG, WebP,
-    /// GIF, TIFF, BMP).
+    /// A built-in scene (`ocularium scenes`), a glTF or GLB file, a photograph (PNG, JPEG, WebP, GIF,
+    /// TIFF, BMP), or pictures that follow one another: a folder of them, or a moving GIF, PNG or WebP.
     #[arg(long, default_value = "room", value_name = "S")]
     pub(super) scene: PathBuf,
     /// Distance of a photograph without a depth image: 0.4m, 40cm, 400mm, inf; 3m without it.
@@ -44,6 +45,9 @@ pub(super) struct Shown {
     /// Height of a photograph: as an angle (20deg, 1 to 120; 50deg without it) or a length (21cm).
     #[arg(long, value_name = "HEIGHT", value_parser = parse_span, allow_hyphen_values = true)]
     pub(super) span: Option<Span>,
+    /// Pictures a second of those that follow one another, 0.1 to 240; as a moving file says, or 25, without it.
+    #[arg(long, value_name = "F", value_parser = parse_scene_fps, allow_hyphen_values = true)]
+    pub(super) scene_fps: Option<f32>,
     /// What one unit of a glTF file is; the metre without it, as glTF says.
     #[arg(long, value_enum, value_name = "UNIT")]
     pub(super) scene_unit: Option<SceneUnit>,

@@ -159,5 +159,6 @@ pub(super) fn photo_options(shown: &Shown) -> Result<PhotoOptions, String> {
         far_m,
         flat_depth_m,
         vertical_fov_deg,
+        fps: shown.scene_fps,
     })
 }

@@ -45,6 +45,13 @@ pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
     parse_range(text, "a frame rate", 0.0, 1000.0)
 }
 
+pub(super) fn parse_scene_fps(text: &str) -> Result<f32, String> {
+    text.parse::<f32>()
+        .ok()
+        .filter(|value| (0.1..=240.0).contains(value))
+        .ok_or_else(|| format!("{text:?} is not a rate of 0.1 to 240 pictures a second"))
+}
+
 pub(super) fn parse_distance(text: &str) -> Result<f32, String> {
     text.parse::<f32>()
         .ok()

@@ -5,6 +5,7 @@ use super::sentences::complain;
 use super::{Shown, session};
 use crate::app::windowed::{self, WindowError};
 use crate::scene::photo::read_file;
+use crate::scene::pictures::pictures_in;
 use crate::stage::Session;
 use crate::ui::link_state::LinkState;
 use crate::ui::own_files::{OwnFile, Placement};
@@ -72,7 +73,13 @@ fn own_scene(shown: &Shown, session: &Session) -> Result<OwnScene, Box<dyn Error
             is_depth,
         })
     };
-    let mut files = vec![file(&shown.scene, false)?];
+    let scenes = if shown.scene.is_dir() {
+        pictures_in(&shown.scene)?
+    } else {
+        vec![shown.scene.clone()]
+    };
+    let files: Result<Vec<OwnFile>, _> = scenes.iter().map(|path| file(path, false)).collect();
+    let mut files = files?;
     if let Some(depth) = &shown.depth {
         files.push(file(depth, true)?);
     }
@@ -125,6 +132,7 @@ fn again(arguments: &[OsString], link: &str, keeps_scene: bool) -> Vec<OsString>
         "--scene-unit",
         "--at",
         "--span",
+        "--scene-fps",
         "--depth",
         "--depth-unit",
         "--depth-near",

@@ -42,6 +42,7 @@ fn poses() -> Vec<LidPose> {
         for elevation_deg in [-35.0_f32, -15.0, 0.0, 15.0, 35.0] {
             for aperture in [0.0, 0.15, 0.5, 1.0, 1.2] {
                 out.push(LidPose {
+                    droop: 0.0,
                     aperture,
                     gaze_azimuth_rad: azimuth_deg.to_radians(),
                     gaze_elevation_rad: elevation_deg.to_radians(),
@@ -321,6 +322,7 @@ fn aperture_grows_with_the_pose_and_lids_follow_gaze() {
 fn normals_are_unit_and_nothing_is_lost_to_bad_numbers() {
     let region = EyeRegion::load().unwrap();
     let wild = LidPose {
+        droop: f32::NAN,
         aperture: f32::NAN,
         gaze_azimuth_rad: f32::INFINITY,
         gaze_elevation_rad: -1e9,

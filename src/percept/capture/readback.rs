@@ -155,8 +155,9 @@ impl Readback {
         self.staging = Some(staging);
     }
 
-    /// The one that has arrived. Called after the frame's work is submitted.
-    pub(in crate::percept) fn take_finished(&mut self) -> Option<CaptureResult> {
+    /// The one that has arrived; `None` inside where it was lost on the way. Called after the frame's work is
+    /// submitted.
+    pub(in crate::percept) fn take_finished(&mut self) -> Option<Option<CaptureResult>> {
         let staging = self.staging.as_mut()?;
         if !staging.asked {
             staging.ask();
@@ -167,12 +168,12 @@ impl Readback {
                 let result = staging.read();
                 staging.buffer.unmap();
                 self.staging = None;
-                Some(result)
+                Some(Some(result))
             }
             FAILED => {
-                // The device was lost or replaced; a new capture will be asked for.
+                // The device was lost or replaced.
                 self.staging = None;
-                None
+                Some(None)
             }
             _ => None,
         }

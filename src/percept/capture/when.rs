@@ -8,8 +8,8 @@ use super::super::view::{
 };
 use super::sight::{CameraLook, SceneChanges};
 use crate::anatomy::EyeFinder;
-use crate::frame::Panel;
 use crate::frame::readiness::Readiness;
+use crate::frame::{Panel, SimulationClock};
 use crate::scene::photo_view::{Photograph, photo_images};
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::RenderLayers;
@@ -38,10 +38,15 @@ type Capturing<'a> = (
 
 /// Asks for captures where size, sight or scene have changed, as soon as everything that they show is
 /// built.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads and makes"
+)]
 pub(in crate::percept) fn drive_captures(
     readiness: Res<Readiness>,
     changes: Res<SceneChanges>,
     clear: Option<Res<ClearColor>>,
+    clock: Res<SimulationClock>,
     finder: EyeFinder,
     people: Query<&SharpnessField>,
     mut images: ResMut<Assets<Image>>,
@@ -78,7 +83,7 @@ pub(in crate::percept) fn drive_captures(
                 let percept = &mut *percept;
                 let is_resized = lay_out(
                     percept,
-                    photo,
+                    photo.map(|photo| (photo, photo.photo.picture_at(clock.time_s))),
                     size,
                     options,
                     &readiness,
@@ -121,7 +126,7 @@ pub(in crate::percept) fn drive_captures(
 /// Gives a view its size and its photograph; says whether it has another picture of the size that it had.
 fn lay_out(
     percept: &mut Percept,
-    photo: Option<&Photograph>,
+    photo: Option<(&Photograph, usize)>,
     size: UVec2,
     options: &ViewOptions,
     readiness: &Readiness,
@@ -133,8 +138,10 @@ fn lay_out(
         None => supersampling(size, options),
     };
     let is_same_photo = match (photo, &percept.photo) {
-        (Some(photo), Some(laid)) => {
-            Arc::ptr_eq(&photo.photo, &laid.photo) && photo.taken_from == laid.taken_from
+        (Some((photo, picture)), Some(laid)) => {
+            Arc::ptr_eq(&photo.photo, &laid.photo)
+                && photo.taken_from == laid.taken_from
+                && picture == laid.picture
         }
         (photo, laid) => photo.is_none() && laid.is_none(),
     };
@@ -150,10 +157,11 @@ fn lay_out(
             let picture = images.add(picture_image(size * scale));
             worn.draw_into(picture, scale as f32, target);
         }
-        Some(photo) => {
-            let (colour, vergence, smaller_deg) = photo_images(&photo.photo, size);
+        Some((photo, picture)) => {
+            let (colour, vergence, smaller_deg) = photo_images(&photo.photo, picture, size);
             percept.photo = Some(LaidOut {
                 photo: photo.photo.clone(),
+                picture,
                 taken_from: photo.taken_from,
                 colour: images.add(colour),
                 vergence: images.add(vergence),

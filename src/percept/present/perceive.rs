@@ -20,8 +20,6 @@ use crate::optics::glare::Veil;
 use bevy::prelude::*;
 use std::sync::Arc;
 
-/// Below this opening of the lids nothing new is seen.
-const SEEING_APERTURE: f64 = 0.25;
 /// First mip level that is part of a veil: what is scattered by less is no veil yet.
 const FIRST_VEIL_LEVEL: u32 = 1;
 /// Texels of the visual-field map along a side, and half the angle it covers.
@@ -175,8 +173,9 @@ fn frame_of(
     uniform.refraction_d = refraction.0.spherical_equivalent_d() as f32;
     let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.0.depth_mm);
     uniform.pupil_m = (entrance_mm * 1e-3) as f32;
-    let aperture = lids.aperture * own_lids.0.opening;
-    let edges = lid_edges(eye, cornea, iris.0.depth_mm, gaze, aperture);
+    let own_lids = &own_lids.0;
+    let open = (lids.aperture * own_lids.opening, own_lids.droop);
+    let edges = lid_edges(eye, cornea, iris.0.depth_mm, gaze, open);
     uniform.upper_lid_mm = edges.upper.height_mm as f32;
     uniform.upper_lid_ahead_mm = edges.upper.ahead_mm as f32;
     uniform.lower_lid_mm = edges.lower.height_mm as f32;
@@ -225,7 +224,7 @@ fn frame_of(
     // During a saccade vision is suppressed, and behind closed lids there is none. A new view is looked
     // at once all the same, or its voxels that an older view left unseen would stand between those that
     // it saw.
-    let seeing = aperture > SEEING_APERTURE && (!controller.state().in_saccade || first);
+    let seeing = edges.leave_open(0.5 * entrance_mm) && (!controller.state().in_saccade || first);
     let media = media
         .filter(|media| !media.is_clear())
         .map(|media| percept.media_uniform(media, &uniform));

@@ -1,7 +1,8 @@
-//! Where the eye stands before a scene without a camera, and whether the scene's size is plausible.
+//! Where the eye stands: where the file's camera is, or before a scene without one; and whether the scene's size
+//! is plausible.
 
 use super::super::model::{EyePlacement, SceneModel};
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 
 /// Nearest that the eye is put before a scene without a camera, m: beyond the view's near plane.
 const NEAREST_M: f32 = 0.03;
@@ -74,4 +75,44 @@ pub(super) fn odd_size(scene: &SceneModel) -> Option<String> {
         "\"{}\" is {size} wide if its unit is the metre, as glTF says. {guess}",
         scene.name
     ))
+}
+
+/// The eye where a camera is; `None` of one that looks nowhere.
+pub(super) fn eye_of_camera(camera: &gltf::Camera, world: Mat4) -> Option<EyePlacement> {
+    let position = world.w_axis.truncate();
+    let forward = (-world.z_axis.truncate()).try_normalize()?;
+    let up = (world.y_axis.truncate() - forward * world.y_axis.truncate().dot(forward))
+        .try_normalize()?;
+    let (vertical, aspect) = match camera.projection() {
+        gltf::camera::Projection::Perspective(p) => (p.yfov(), p.aspect_ratio().unwrap_or(1.0)),
+        gltf::camera::Projection::Orthographic(_) => return None,
+    };
+    let vertical = vertical.clamp(CAMERA_RAD[0], CAMERA_RAD[1]);
+    let horizontal = 2.0 * ((0.5 * vertical).tan() * aspect.clamp(0.1, 10.0)).atan();
+    position.is_finite().then(|| EyePlacement {
+        position_m: position.into(),
+        forward: forward.into(),
+        up: up.into(),
+        vertical_fov_deg: vertical.to_degrees(),
+        horizontal_fov_deg: horizontal.to_degrees(),
+    })
+}
+
+/// Vertical angles of a camera that are shown, rad: 1° to 149°.
+const CAMERA_RAD: [f32; 2] = [0.02, 2.6];
+
+/// A remark on a camera whose angle is not one.
+pub(super) fn odd_angle(camera: &gltf::Camera, name: &str) -> Option<String> {
+    let gltf::camera::Projection::Perspective(lens) = camera.projection() else {
+        return None;
+    };
+    let [least, most] = CAMERA_RAD;
+    (!(least..=most).contains(&lens.yfov())).then(|| {
+        format!(
+            "\"{name}\": its camera {} has a vertical angle (yfov) of {}, and is shown with the nearest of {least} to \
+             {most} rad.",
+            camera.index(),
+            lens.yfov()
+        )
+    })
 }

@@ -1,9 +1,11 @@
 use super::super::photo::read_file;
 use super::*;
-use crate::scene::model::SceneLight;
+use crate::scene::model::{SceneLight, SceneMesh};
 use proptest::prelude::*;
 use std::f32::consts::PI;
 use std::path::Path;
+
+mod moving;
 
 fn load_gltf(path: &Path, unit_m: Option<f32>) -> Result<SceneModel, SceneError> {
     let bytes = read_file(path)?;

@@ -5,6 +5,7 @@ use super::{Arrival, arrive};
 use crate::input_file::read_input_file;
 use crate::output_file::write_whole;
 use crate::scene::photo::MAX_FILE_BYTES;
+use crate::scene::pictures::pictures_in;
 use bevy::tasks::IoTaskPool;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -83,7 +84,16 @@ pub fn read_paths(paths: &[PathBuf]) {
             Err(error) => Err(format!("\"{name}\" cannot be read: {error}.")),
         }
     };
-    match paths.iter().map(read).collect::<Result<Vec<_>, _>>() {
+    // Of a folder its pictures.
+    let mut files = Vec::new();
+    for path in paths {
+        match path.is_dir().then(|| pictures_in(path)) {
+            Some(Ok(pictures)) => files.extend(pictures),
+            Some(Err(error)) => return arrive(Arrival::Said(error.to_string())),
+            None => files.push(path.clone()),
+        }
+    }
+    match files.iter().map(read).collect::<Result<Vec<_>, _>>() {
         Ok(files) => arrive(Arrival::Files(files)),
         Err(sentence) => arrive(Arrival::Said(sentence)),
     }
