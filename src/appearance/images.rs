@@ -6,8 +6,8 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, T
 use glam::DVec2;
 use half::f16;
 
-/// One level of a map: width, height, texels row by row.
-pub type Level = (u32, u32, Vec<[f32; 4]>);
+/// One level of a map.
+pub type Level = crate::frame::mips::Level<4>;
 
 /// Makes a filtered RGBA16F texture of these levels, the finest first; `wrap` repeats it in u.
 pub fn map_image(levels: &[Level], wrap: bool) -> Image {
@@ -109,52 +109,10 @@ impl MapView {
     }
 }
 
-/// Halves a level by averaging two by two; odd sides repeat their last texel.
-pub fn half_level((width, height, texels): &Level) -> Level {
-    let (w, h) = ((width / 2).max(1), (height / 2).max(1));
-    let at = |x: u32, y: u32| texels[(y.min(height - 1) * width + x.min(width - 1)) as usize];
-    let mut out = Vec::with_capacity((w * h) as usize);
-    for y in 0..h {
-        for x in 0..w {
-            let four = [
-                at(2 * x, 2 * y),
-                at(2 * x + 1, 2 * y),
-                at(2 * x, 2 * y + 1),
-                at(2 * x + 1, 2 * y + 1),
-            ];
-            out.push(std::array::from_fn(|c| {
-                0.25 * four.iter().map(|texel| texel[c]).sum::<f32>()
-            }));
-        }
-    }
-    (w, h, out)
-}
-
-/// A level and all its halves down to one texel.
-pub fn mip_chain(finest: Level) -> Vec<Level> {
-    let mut levels = vec![finest];
-    while let Some(last) = levels.last() {
-        if last.0 == 1 && last.1 == 1 {
-            break;
-        }
-        levels.push(half_level(last));
-    }
-    levels
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_chain_keeps_the_mean_and_ends_in_one_texel() {
-        let texels = (0..32u8).map(|i| [f32::from(i), 1.0, 0.0, 0.5]).collect();
-        let chain = mip_chain((8, 4, texels));
-        let sizes: Vec<_> = chain.iter().map(|level| (level.0, level.1)).collect();
-        assert_eq!(sizes, [(8, 4), (4, 2), (2, 1), (1, 1)]);
-        // Exact: the mean of 0..31 by halves of powers of two.
-        assert_eq!(chain[3].2[0], [15.5, 1.0, 0.0, 0.5]);
-    }
+    use crate::frame::mips::chain;
 
     #[test]
     fn a_view_reads_between_texels_and_around_the_seam() {
@@ -172,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_image_holds_every_level() {
-        let chain = mip_chain((8, 4, vec![[0.25; 4]; 32]));
+        let chain = chain((8, 4), vec![[0.25; 4]; 32]);
         let image = map_image(&chain, true);
         assert_eq!(
             image.data.map(|data| data.len()),

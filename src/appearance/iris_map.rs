@@ -18,6 +18,7 @@
 //! aside, so each opening is bordered by the very fibres that it displaced, and a deep layer of
 //! fine strands shows on its floor.
 
+use crate::frame::mips::{Level, chain};
 use core::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
@@ -32,8 +33,8 @@ mod tests;
 use canvas::{Canvas, Grid};
 use layout::Layout;
 
-use super::noise::{fbm, lerp, value_noise};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{fbm, lerp, value_noise};
 
 /// Pupil radius, mm, at which widths in millimetres are laid out.
 pub const DESIGN_PUPIL_RADIUS_MM: f32 = 1.75;
@@ -218,61 +219,10 @@ impl IrisMap {
         }
     }
 
-    /// Box-filtered levels after this one, each half the size of the one before (rounded down, at
-    /// least 1), down to one texel. Where a size is odd the last box takes the spare texel in,
-    /// along `u` and `v` alike, so no texel is lost and nothing leaks across the seam.
+    /// Its levels, the finest first.
     #[must_use]
-    pub fn mips(&self) -> Vec<Self> {
-        let mut levels: Vec<Self> = Vec::new();
-        loop {
-            let source = levels.last().unwrap_or(self);
-            if source.width == 1 && source.height == 1 {
-                return levels;
-            }
-            let next = source.halved();
-            levels.push(next);
-        }
-    }
-
-    /// This map and its [`mips`](Self::mips) as width, height and texels, the finest first.
-    #[must_use]
-    pub fn levels(&self) -> Vec<(u32, u32, Vec<[f32; 4]>)> {
-        let mips = self.mips();
-        core::iter::once(self)
-            .chain(&mips)
-            .map(|map| (map.width as u32, map.height as u32, map.texels.clone()))
-            .collect()
-    }
-
-    fn halved(&self) -> Self {
-        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        let span = |index: usize, out: usize, of: usize| {
-            let end = if index + 1 == out {
-                of
-            } else {
-                (index + 1) * 2
-            };
-            (index * 2).min(of - 1)..end
-        };
-        let mut texels = Vec::with_capacity(width * height);
-        for j in 0..height {
-            for i in 0..width {
-                let (mut sum, mut count) = ([0.0_f32; 4], 0.0_f32);
-                for y in span(j, height, self.height) {
-                    for x in span(i, width, self.width) {
-                        let texel = self.texels[y * self.width + x];
-                        sum.iter_mut().zip(texel).for_each(|(s, t)| *s += t);
-                        count += 1.0;
-                    }
-                }
-                texels.push(sum.map(|s| s / count));
-            }
-        }
-        Self {
-            width,
-            height,
-            texels,
-        }
+    pub fn levels(&self) -> Vec<Level<4>> {
+        chain((self.width, self.height), self.texels.clone())
     }
 }
 

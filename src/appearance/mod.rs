@@ -27,7 +27,6 @@ pub mod lighting;
 pub mod materials;
 mod mesh_fill;
 pub mod model;
-pub mod noise;
 pub mod pose;
 pub mod sclera_map;
 pub mod shading;

@@ -14,14 +14,15 @@
 //!
 //! The limbus itself (where the sclera gives way to the cornea) is left to the shader.
 
+use crate::frame::mips::{Level, chain};
 use core::f32::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
 mod vessels;
 
-use super::noise::{fbm, lerp, value_noise};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{fbm, lerp, value_noise};
 
 /// Angle from the corneal axis at the middle of the map's edges, degrees.
 pub const MAP_EDGE_DEG: f32 = 100.0;
@@ -148,57 +149,10 @@ impl ScleraMap {
         })
     }
 
-    /// Box-filtered levels after this one down to one texel.
+    /// Its levels, the finest first.
     #[must_use]
-    pub fn mips(&self) -> Vec<Self> {
-        let mut levels: Vec<Self> = Vec::new();
-        loop {
-            let source = levels.last().unwrap_or(self);
-            if source.size == 1 {
-                return levels;
-            }
-            let next = source.halved();
-            levels.push(next);
-        }
-    }
-
-    /// This map and its [`mips`](Self::mips) as width, height and texels, the finest first.
-    #[must_use]
-    pub fn levels(&self) -> Vec<(u32, u32, Vec<[f32; 4]>)> {
-        let mips = self.mips();
-        core::iter::once(self)
-            .chain(&mips)
-            .map(|map| (map.size as u32, map.size as u32, map.texels.clone()))
-            .collect()
-    }
-
-    fn halved(&self) -> Self {
-        let size = self.size / 2;
-        let (mut texels, mut vessel_mask) = (Vec::new(), Vec::new());
-        for j in 0..size {
-            for i in 0..size {
-                let (mut sum, mut mask, mut count) = ([0.0_f32; 4], 0.0, 0.0);
-                // An odd last row or column joins the last box.
-                let end = |k: usize| if k + 1 == size { self.size } else { 2 * k + 2 };
-                for y in 2 * j..end(j) {
-                    for x in 2 * i..end(i) {
-                        let index = y * self.size + x;
-                        sum.iter_mut()
-                            .zip(self.texels[index])
-                            .for_each(|(s, t)| *s += t);
-                        mask += self.vessel_mask[index];
-                        count += 1.0;
-                    }
-                }
-                texels.push(sum.map(|s| s / count));
-                vessel_mask.push(mask / count);
-            }
-        }
-        Self {
-            size,
-            texels,
-            vessel_mask,
-        }
+    pub fn levels(&self) -> Vec<Level<4>> {
+        chain((self.size, self.size), self.texels.clone())
     }
 }
 

@@ -4,7 +4,7 @@
 //! a the specks of pigment, each about zero. Baked once: the picture then pays for two look-ups
 //! where noise would cost hundreds of operations a pixel.
 
-use super::noise::{fbm, gradient_noise, worley};
+use crate::tissue::noise::{fbm, gradient_noise, worley};
 
 /// Texels along a side.
 pub const SIDE: usize = 256;

@@ -1,12 +1,13 @@
 //! A patient's tissues as textures, colours and the globe's numbers.
 
-use super::images::{map_image, mip_chain};
+use super::images::map_image;
 use super::iris_map::{IrisMap, IrisMapSettings};
 use super::light_table::{LightTableSettings, LightTableSize};
 use super::materials::{GlobeUniform, LidHeights, Studio};
 use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use crate::anatomy::{Cornea, Iris};
+use crate::frame::mips::chain;
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
 use bevy::image::Image;
@@ -57,9 +58,9 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     }
 }
 pub(super) fn skin_image(seed: u64) -> Image {
-    let side = super::skin_map::SIDE as u32;
+    let side = super::skin_map::SIDE;
     let tile = super::skin_map::skin_tile(fold(seed));
-    let mut image = map_image(&mip_chain((side, side, tile)), true);
+    let mut image = map_image(&chain((side, side), tile), true);
     if let bevy::image::ImageSampler::Descriptor(sampler) = &mut image.sampler {
         sampler.address_mode_v = bevy::image::ImageAddressMode::Repeat;
     }

@@ -5,6 +5,7 @@
 
 pub mod clock;
 pub mod ledger;
+pub mod mips;
 pub mod panel;
 pub mod picture;
 pub mod readiness;

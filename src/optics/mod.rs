@@ -10,12 +10,11 @@
 //! A refracting surface of the shaders is `DVec2(apical radius R in mm, shape factor p)`; whole eyes
 //! are built of [`surface::Quadric`]s.
 //!
-//! Whole eyes, from surfaces to images: [`surface`] → [`ray_trace`] → [`schematic_eye`] → [`paraxial`],
-//! [`pupil`], [`wavefront`] → [`psf`]; [`traced_blur`] holds the blur disc of [`defocus`] against them.
+//! Whole eyes, from surfaces to images: [`surface`] → [`ray_trace`] → [`schematic_eye`] → [`reference::paraxial`],
+//! [`pupil`], [`reference::wavefront`] → [`reference::psf`]; [`reference::traced_blur`] holds the blur disc of [`defocus`] against them.
 
 pub mod accommodation;
 pub mod caustic;
-pub mod chromatic;
 pub mod conicoid;
 pub mod cornea;
 pub mod defocus;
@@ -23,14 +22,12 @@ pub mod fermat;
 pub mod fresnel;
 pub mod glare;
 pub mod globe;
-pub mod mean_mtf;
 pub mod media;
 pub mod microfacet;
 pub mod output;
-pub mod paraxial;
-pub mod psf;
 pub mod pupil;
 pub mod ray_trace;
+pub mod reference;
 pub mod refraction_function;
 pub mod root;
 pub mod schematic_eye;
@@ -39,6 +36,3 @@ pub mod snell;
 pub mod stiles_crawford;
 pub mod surface;
 pub mod tear_film;
-pub mod traced_blur;
-pub mod wavefront;
-pub mod zernike;

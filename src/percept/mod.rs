@@ -65,6 +65,7 @@ impl Plugin for PerceptPlugin {
                     capture::sight::notice,
                     capture::when::drive_captures,
                     present::perceive::perceive,
+                    capture::when::rouse_morphs,
                 )
                     .chain()
                     .after(TransformSystems::Propagate)

@@ -106,6 +106,8 @@ pub struct Percept {
     pub(super) size: UVec2,
     pub(super) scale: u32,
     pub(super) waited: u32,
+    /// The camera draws once more before the capture that was asked for last: see [`rouse_morphs`](super::capture).
+    pub(super) is_rehearsal: bool,
     /// What is seen is another scene: nothing remembered applies, and time waits for it.
     pub(super) is_new: bool,
     /// Captured while something was not built yet: to be captured again.
@@ -154,6 +156,7 @@ impl Default for Percept {
             size: UVec2::ZERO,
             scale: 1,
             waited: 0,
+            is_rehearsal: false,
             is_new: true,
             is_unfinished: false,
             is_unread: false,

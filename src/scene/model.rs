@@ -5,6 +5,7 @@
 //! lumens; one white matt surface (albedo 1) under illuminance `E` has luminance `E / π`.
 
 use super::motion::SceneMotion;
+use crate::frame::mips::halved;
 use crate::optics::output::{srgb_decode, srgb_encode};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
@@ -164,44 +165,31 @@ impl SceneTexture {
     /// The full mip chain after level 0, each `(width, height, rgba8)`, averaged in linear light so
     /// that distant text keeps its luminance.
     pub fn mip_levels(&self) -> Vec<(u32, u32, Vec<u8>)> {
+        let is_code = |channel: usize| self.srgb && channel < 3;
+        let mut size = (self.width as usize, self.height as usize);
+        let light = |texel: &[u8]| -> [f32; 4] {
+            std::array::from_fn(|channel| match is_code(channel) {
+                true => srgb_to_linear(texel[channel]),
+                false => f32::from(texel[channel]) / 255.0,
+            })
+        };
+        let code = |texel: &[f32; 4]| -> [u8; 4] {
+            std::array::from_fn(|channel| match is_code(channel) {
+                true => linear_to_srgb(texel[channel]),
+                false => (texel[channel] * 255.0).round() as u8,
+            })
+        };
         let mut levels = Vec::new();
-        let (mut width, mut height, mut texels) = (self.width, self.height, self.rgba8.clone());
-        while width > 1 || height > 1 {
-            let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
-            let mut half = Vec::with_capacity((half_width * half_height * 4) as usize);
-            for y in 0..half_height {
-                for x in 0..half_width {
-                    half.extend_from_slice(&self.mean_texel(&texels, width, height, x, y));
-                }
-            }
-            levels.push((half_width, half_height, half.clone()));
-            (width, height, texels) = (half_width, half_height, half);
+        let mut texels: Vec<[f32; 4]> = Vec::new();
+        while size != (1, 1) {
+            (size, texels) = match levels.is_empty() {
+                true => halved(size, |i| light(&self.rgba8[4 * i..])),
+                false => halved(size, |i| texels[i]),
+            };
+            let codes = texels.iter().flat_map(code).collect();
+            levels.push((size.0 as u32, size.1 as u32, codes));
         }
         levels
-    }
-
-    fn mean_texel(&self, texels: &[u8], width: u32, height: u32, x: u32, y: u32) -> [u8; 4] {
-        let mut sum = [0.0f32; 4];
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let (sx, sy) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
-            let at = ((sy * width + sx) * 4) as usize;
-            for (channel, total) in sum.iter_mut().enumerate() {
-                let value = texels[at + channel];
-                *total += if self.srgb && channel < 3 {
-                    srgb_to_linear(value)
-                } else {
-                    f32::from(value) / 255.0
-                };
-            }
-        }
-        std::array::from_fn(|channel| {
-            let mean = sum[channel] / 4.0;
-            if self.srgb && channel < 3 {
-                linear_to_srgb(mean)
-            } else {
-                (mean * 255.0).round() as u8
-            }
-        })
     }
 }
 

@@ -1,11 +1,11 @@
 //! Procedural pictures and surface textures.
 //!
 //! Enters: sRGB-encoded colours 0–1, texel coordinates (x right, y down), seeds. Leaves: a
-//! [`SceneTexture`]. Noise is value noise on an integer hash, so a seed gives the same texels on
-//! every machine. What is called for every texel is `#[inline]`: a call costs more than what it does.
+//! [`SceneTexture`]. A seed gives the same texels on every machine. What is called for every texel is `#[inline]`: a call costs more than what it does.
 
 use super::model::{SceneTexture, Wrap, srgb_to_linear};
 pub use crate::optics::smoothstep::smoothstep;
+pub use crate::tissue::noise::{ValueNoise, unit_hash};
 
 /// An sRGB-encoded colour from `0xRRGGBB`, 0–1.
 #[inline]
@@ -24,71 +24,16 @@ pub fn mix(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
     std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
 }
 
-/// A number 0–1 from integers (the finaliser of MurmurHash3, a public-domain mixer).
-#[inline]
-pub fn hash(x: i32, y: i32, seed: u32) -> f32 {
-    let mut h = (x as u32).wrapping_mul(0x9e37_79b1)
-        ^ (y as u32).wrapping_mul(0x85eb_ca77)
-        ^ seed.wrapping_mul(0xc2b2_ae3d);
-    h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
-    h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
-    (h ^ (h >> 16)) as f32 / u32::MAX as f32
-}
-
-/// Value noise 0–1 that repeats every `period` in x and y.
-#[derive(Debug, Clone)]
-pub struct Noise {
-    period: i32,
-    /// The numbers at the corners of each cell, row by row: as they are, right, below, right below.
-    cells: Vec<[f32; 4]>,
-}
-
-impl Noise {
-    /// The noise of a seed, with `period²` cells.
-    pub fn new(period: i32, seed: u32) -> Self {
-        let places = (0..period).flat_map(|y| (0..period).map(move |x| (x, y)));
-        let lattice: Vec<f32> = places.clone().map(|(x, y)| hash(x, y, seed)).collect();
-        let at = |x: i32, y: i32| lattice[((y % period) * period + x % period) as usize];
-        let cells = places
-            .map(|(x, y)| [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
-            .collect();
-        Self { period, cells }
-    }
-
-    /// How far a coordinate is across its cell, on a Hermite step, and the cell's number. There are ten million calls in a room, hence no `floor`.
-    #[inline]
-    fn cell(&self, place: f32) -> (f32, usize) {
-        let cut = place as i32;
-        let start = if cut as f32 > place { cut - 1 } else { cut };
-        let across = place - start as f32;
-        let number = if (0..self.period).contains(&start) {
-            start
-        } else {
-            start.rem_euclid(self.period)
-        };
-        (across * across * (3.0 - 2.0 * across), number as usize)
-    }
-
-    /// Its value at a place.
-    #[inline]
-    pub fn at(&self, x: f32, y: f32) -> f32 {
-        let ((sx, column), (sy, row)) = (self.cell(x), self.cell(y));
-        let [a, b, c, d] = self.cells[row * self.period as usize + column];
-        let (top, bottom) = (a + (b - a) * sx, c + (d - c) * sx);
-        top + (bottom - top) * sy
-    }
-}
-
-/// Four octaves of [`Noise`] 0–1 that repeat over the unit square.
+/// Four octaves of [`ValueNoise`] 0–1 that repeat over the unit square.
 #[derive(Debug, Clone)]
 pub struct Clouds {
-    octaves: [Noise; 4],
+    octaves: [ValueNoise; 4],
 }
 
 impl Clouds {
     /// The clouds of a seed, with `period` cells in the first octave.
     pub fn new(period: i32, seed: u32) -> Self {
-        let octaves = [0, 1, 2, 3].map(|octave| Noise::new(period << octave, seed + octave));
+        let octaves = [0, 1, 2, 3].map(|octave| ValueNoise::new(period << octave, seed + octave));
         Self { octaves }
     }
 
@@ -97,7 +42,7 @@ impl Clouds {
     pub fn at(&self, u: f32, v: f32) -> f32 {
         let (mut sum, mut weight) = (0.0, 0.5);
         for octave in &self.octaves {
-            let cells = octave.period as f32;
+            let cells = octave.period() as f32;
             sum += weight * octave.at(u * cells, v * cells);
             weight *= 0.5;
         }
@@ -255,12 +200,15 @@ impl Canvas {
 pub fn wood(light: u32, dark: u32, planks: i32, seed: u32) -> Canvas {
     let (light, dark) = (hex(light), hex(dark));
     let warps = Clouds::new(3, seed + 3);
-    let (rings, pores) = (Noise::new(48, seed + 9), Noise::new(256, seed + 5));
+    let (rings, pores) = (
+        ValueNoise::new(48, seed + 9),
+        ValueNoise::new(256, seed + 5),
+    );
     // A single board needs fewer texels than a floor.
     let side = if planks > 1 { 512 } else { 256 };
     Canvas::shaded(side, side, move |u, v| {
         let plank = (v * planks as f32).floor();
-        let shift = hash(plank as i32, 7, seed);
+        let shift = unit_hash(plank as i32, 7, seed);
         let warp = warps.at(u, v) - 0.5;
         // Growth rings cut at a shallow angle: stretched noise, then a periodic band.
         let ring = rings.at(u * 4.0 + shift * 31.0, (v + 0.05 * warp) * 48.0);
@@ -294,7 +242,7 @@ pub fn weave(warp: u32, weft: u32, seed: u32) -> Canvas {
         let (fx, fy) = (x.fract() - 0.5, y.fract() - 0.5);
         let across = if over { fx } else { fy };
         let round = 1.0 - 1.3 * across * across;
-        let fleck = 0.88 + 0.24 * hash(x as i32, y as i32, seed);
+        let fleck = 0.88 + 0.24 * unit_hash(x as i32, y as i32, seed);
         let cloudy = 0.92 + 0.16 * patches.at(u, v);
         let base = if over { warp } else { weft };
         base.map(|c| c * round * fleck * cloudy)
@@ -304,7 +252,7 @@ pub fn weave(warp: u32, weft: u32, seed: u32) -> Canvas {
 /// Rolled plaster or paint.
 pub fn plaster(color: u32, seed: u32) -> Canvas {
     let color = hex(color);
-    let (rolled, grains) = (Clouds::new(3, seed), Noise::new(128, seed + 20));
+    let (rolled, grains) = (Clouds::new(3, seed), ValueNoise::new(128, seed + 20));
     Canvas::shaded(256, 256, move |u, v| {
         let wide = rolled.at(u, v) - 0.5;
         let fine = grains.at(u * 128.0, v * 128.0) - 0.5;
@@ -318,14 +266,14 @@ mod tests {
 
     #[test]
     fn noise_repeats_stays_in_range_and_depends_on_the_seed() {
-        let noise = Noise::new(8, 1);
+        let noise = ValueNoise::new(8, 1);
         for i in 0..200 {
             let (x, y) = (i as f32 * 0.37, i as f32 * 0.11);
             let value = noise.at(x, y);
             assert!((0.0..=1.0).contains(&value));
             assert!((value - noise.at(x + 8.0, y - 16.0)).abs() < 1e-4);
         }
-        assert!((noise.at(0.3, 0.4) - Noise::new(8, 2).at(0.3, 0.4)).abs() > 1e-3);
+        assert!((noise.at(0.3, 0.4) - ValueNoise::new(8, 2).at(0.3, 0.4)).abs() > 1e-3);
     }
 
     #[test]

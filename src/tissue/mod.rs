@@ -1,4 +1,4 @@
-//! Pure tissue optics in f64, free of Bevy: what colours an iris.
+//! Pure tissue optics in f64, free of Bevy: what colours an iris; and what makes it irregular.
 //!
 //! In: pigment fractions and thicknesses. Out, from the particles to the picture:
 //!
@@ -12,6 +12,7 @@
 //! - [`spectrum`] and [`wavelengths`]: linear sRGB from 41 or from few reflectances;
 //! - [`iris_layers`], [`iris_reflectance`]: the iris as layers, and its colour as a function or
 //!   table;
+//! - [`noise`]: what is irregular in it;
 //! - [`scattering_orders`] and `colour_difference` (not in the web build): how wrong each estimate
 //!   is.
 //!
@@ -24,6 +25,7 @@ pub mod iris_reflectance;
 pub mod layers;
 pub mod many_flux;
 pub mod melanin;
+pub mod noise;
 pub mod phase;
 pub mod random_walk;
 pub mod scattering_orders;

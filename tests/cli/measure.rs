@@ -3,8 +3,8 @@
 
 use super::{Files, misused, program, refused, run, said, text};
 use ocularium::lab::measure::{MeasureTable, MeasuredEye, measure};
-use ocularium::optics::paraxial::{Meridian, paraxial};
 use ocularium::optics::pupil::entrance_pupil_magnification;
+use ocularium::optics::reference::paraxial::{Meridian, paraxial};
 use ocularium::optics::schematic_eye::{SODIUM_NM, SchematicEye};
 use serde_json::Value;
 use std::fs;

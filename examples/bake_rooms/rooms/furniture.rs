@@ -5,7 +5,7 @@ use super::shapes::Shape;
 use super::{Alpha, Set, Target};
 use glam::{Quat, Vec3};
 use ocularium::scene::model::SceneLight;
-use ocularium::scene::paint::{Canvas, hash, hex, linear, mix};
+use ocularium::scene::paint::{Canvas, hex, linear, mix, unit_hash};
 
 pub(super) fn build(set: &mut Set, fonts: &Fonts) {
     bookcase(set, fonts);
@@ -63,7 +63,7 @@ fn bookcase(set: &mut Set, fonts: &Fonts) {
         let mut x = left + 0.03;
         let mut book = 0;
         while x < left + width - 0.09 {
-            let random = |k: u32| hash(book, shelf as i32, 100 + k);
+            let random = |k: u32| unit_hash(book, shelf as i32, 100 + k);
             let thick = 0.026 + 0.03 * random(0);
             let tall = room_above * (0.74 + 0.24 * random(1));
             let row = (random(2) * 16.0) as u32 % 16;
@@ -110,7 +110,11 @@ fn ornaments(set: &mut Set, left: f32, width: f32, height: f32, z: f32) {
     let leaf = set.double_sided(leaf);
     let leaves = (0..34u8).map(|i| {
         let k = f32::from(i);
-        let tint = mix(linear(0x2c6238), linear(0x8fb457), hash(i32::from(i), 0, 3));
+        let tint = mix(
+            linear(0x2c6238),
+            linear(0x8fb457),
+            unit_hash(i32::from(i), 0, 3),
+        );
         let lean = 0.15 + 0.035 * k;
         let blade = Shape::blade(0.3 - 0.003 * k, 0.042, 1.3, 0.75);
         blade

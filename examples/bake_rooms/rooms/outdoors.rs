@@ -7,7 +7,7 @@ use super::text::Style;
 use super::{Set, Target, facing, ground_of};
 use glam::Vec3;
 use ocularium::scene::model::Alpha;
-use ocularium::scene::paint::{Canvas, hash, hex, mix};
+use ocularium::scene::paint::{Canvas, hex, mix, unit_hash};
 
 /// Luminance of a sunlit white surface outdoors, cd/m²: a hazy evening, some ten times the room.
 const WHITE_CD_M2: f32 = 900.0;
@@ -87,20 +87,23 @@ fn skyline() -> Canvas {
     let mut canvas = ground_of("sky and houses");
     let fronts = [0xe7c9a0, 0xd98c6a, 0xf0e6d2, 0xb7c4cf, 0xe3b25f, 0xcf7f62];
     for (i, &front) in fronts.iter().cycle().take(14).enumerate() {
-        let x = 20.0 + 72.0 * i as f32 + 10.0 * hash(i as i32, 1, 4);
+        let x = 20.0 + 72.0 * i as f32 + 10.0 * unit_hash(i as i32, 1, 4);
         let (width, height) = (
-            50.0 + 14.0 * hash(i as i32, 2, 4),
-            34.0 + 14.0 * hash(i as i32, 3, 4),
+            50.0 + 14.0 * unit_hash(i as i32, 2, 4),
+            34.0 + 14.0 * unit_hash(i as i32, 3, 4),
         );
         house(&mut canvas, [x, 398.0], [width, height], hex(front));
     }
     for i in 0..40i32 {
-        let (x, y) = (1024.0 * hash(i, 5, 9), 392.0 + 10.0 * hash(i, 6, 9));
-        let size = 7.0 + 9.0 * hash(i, 7, 9);
+        let (x, y) = (
+            1024.0 * unit_hash(i, 5, 9),
+            392.0 + 10.0 * unit_hash(i, 6, 9),
+        );
+        let size = 7.0 + 9.0 * unit_hash(i, 7, 9);
         canvas.ellipse(
             [x, y],
             [size, 0.8 * size],
-            mix(hex(0x3f6b34), hex(0x6f9a45), hash(i, 8, 9)),
+            mix(hex(0x3f6b34), hex(0x6f9a45), unit_hash(i, 8, 9)),
             1.0,
             0.15,
         );

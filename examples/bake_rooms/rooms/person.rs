@@ -4,7 +4,7 @@ use super::organic::{blend, capsule, carve, ellipsoid, skin};
 use super::shapes::Shape;
 use super::{Group, Set, Target};
 use glam::{Affine3A, Quat, Vec3};
-use ocularium::scene::paint::{Noise, linear, mix, smoothstep};
+use ocularium::scene::paint::{ValueNoise, linear, mix, smoothstep};
 
 const fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
@@ -139,7 +139,7 @@ fn hair_shape() -> Shape {
         HEAD + v(0.14, 0.16, 0.13),
         0.0115,
     );
-    let strands = Noise::new(64, 5);
+    let strands = ValueNoise::new(64, 5);
     for (tint, position) in shape.tints.iter_mut().zip(&shape.positions) {
         let q = *position - HEAD;
         let strand = strands.at(

@@ -6,7 +6,7 @@ use super::text::{Style, Typeface};
 use super::{Set, Target, facing, ground_of};
 use ab_glyph::InvalidFont;
 use glam::Vec3;
-use ocularium::scene::paint::{Canvas, Clouds, hash, hex, mix, smoothstep};
+use ocularium::scene::paint::{Canvas, Clouds, hex, mix, smoothstep, unit_hash};
 
 /// The fonts of the built-in scenes.
 pub(super) struct Fonts {
@@ -459,8 +459,8 @@ pub(super) fn portrait_canvas() -> Canvas {
     canvas.ellipse([192.0, 280.0], [17.0, 6.0], hex(0xc4655a), 1.0, 0.4);
     canvas.ellipse([192.0, 128.0], [76.0, 46.0], hair, 1.0, 0.2);
     for i in 0..160i32 {
-        let (x, y) = (384.0 * hash(i, 0, 5), 480.0 * hash(i, 1, 5));
-        let dab = if hash(i, 2, 5) > 0.5 {
+        let (x, y) = (384.0 * unit_hash(i, 0, 5), 480.0 * unit_hash(i, 1, 5));
+        let dab = if unit_hash(i, 2, 5) > 0.5 {
             [1.0; 3]
         } else {
             [0.0; 3]

@@ -3,9 +3,9 @@
 //! In: strands (a path, a girth in millimetres, a height). Out: relative relief per texel and the
 //! tag of the strand that lies on top there.
 
-use super::super::noise::{lerp, value_noise};
 use super::{DESIGN_WIDTH_MM, turns_per_mm};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{lerp, value_noise};
 
 /// The narrowest strand that the texels can carry without breaking into dashes.
 const MIN_HALF_TEXELS: f32 = 1.3;

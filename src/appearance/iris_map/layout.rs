@@ -4,10 +4,10 @@
 
 use core::f32::consts::TAU;
 
-use super::super::noise::{HashStream, fbm, gradient_noise, lerp, value_noise, wrap_half};
 use super::canvas::Grid;
 use super::{IrisMapSettings, turns_per_mm};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{HashStream, fbm, gradient_noise, lerp, value_noise, wrap_half};
 
 /// An opening in the stroma: a lens with uneven sides.
 #[derive(Clone, Copy, Debug)]

@@ -2,11 +2,11 @@
 //!
 //! In: the layout and the grown surface. Out: relative density per texel, 0–1.
 
-use super::super::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 use super::canvas::{self, Canvas, Grid};
 use super::layout::Layout;
 use super::{DESIGN_WIDTH_MM, IrisMapSettings, turns_per_mm};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 
 /// Paints all of it.
 pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canvas) -> Vec<f32> {

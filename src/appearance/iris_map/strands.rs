@@ -3,11 +3,11 @@
 //! In: a [`Layout`]. Out: a [`Canvas`] of relative relief (1 = the highest trabeculae) and strand
 //! tags.
 
-use super::super::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 use super::IrisMapSettings;
 use super::canvas::{self, Canvas, Grid, Strand, blur};
 use super::layout::{Crypt, Layout};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 
 /// Grows all layers.
 pub(super) fn grow(settings: &IrisMapSettings, layout: &Layout, grid: Grid) -> Canvas {

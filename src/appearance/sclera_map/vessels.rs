@@ -5,9 +5,9 @@
 
 use core::f32::consts::{PI, TAU};
 
-use super::super::noise::{HashStream, value_noise};
 use super::{LIMBUS_DEG, MAP_EDGE_DEG, Place, ScleraMapSettings};
 use crate::optics::smoothstep::smoothstep;
+use crate::tissue::noise::{HashStream, value_noise};
 
 /// Length of one step of growth, degrees (0.06 mm of an 11.5 mm globe).
 const STEP_DEG: f32 = 0.3;

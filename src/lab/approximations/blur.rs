@@ -3,10 +3,10 @@
 use super::rows::Task;
 use super::timing::Stopwatch;
 use crate::optics::defocus::{defocus_blur_angle, vergence_of_distance};
-use crate::optics::paraxial::{Meridian, paraxial};
+use crate::optics::reference::paraxial::{Meridian, paraxial};
+use crate::optics::reference::traced_blur::{aberrated_blur_disc, traced_blur};
+use crate::optics::reference::wavefront::{ObjectPoint, trace_wavefront};
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
-use crate::optics::traced_blur::{aberrated_blur_disc, traced_blur};
-use crate::optics::wavefront::{ObjectPoint, trace_wavefront};
 
 struct Case<'a> {
     eye: &'a SchematicEye,

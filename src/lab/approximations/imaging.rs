@@ -2,12 +2,14 @@
 
 use super::rows::{ErrorRow, Task};
 use super::timing::Stopwatch;
-use crate::optics::mean_mtf::{diffraction_cutoff_cpd, diffraction_mtf};
-use crate::optics::psf::{Psf, PsfError, PsfGrid, PupilFunction};
+use crate::optics::reference::mean_mtf::{diffraction_cutoff_cpd, diffraction_mtf};
+use crate::optics::reference::psf::{Psf, PsfError, PsfGrid, PupilFunction};
+use crate::optics::reference::wavefront::fit::solve;
+use crate::optics::reference::wavefront::{
+    ObjectPoint, Wavefront, WavefrontSample, trace_wavefront,
+};
+use crate::optics::reference::zernike::{ZERNIKE_COUNT, zernike_sum, zernike_values};
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
-use crate::optics::wavefront::fit::solve;
-use crate::optics::wavefront::{ObjectPoint, Wavefront, WavefrontSample, trace_wavefront};
-use crate::optics::zernike::{ZERNIKE_COUNT, zernike_sum, zernike_values};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;

@@ -1,14 +1,14 @@
 //! The blur of a point by real rays through Navarro's eye, beside the simple formula
-//! ([`crate::optics::traced_blur`]).
+//! ([`crate::optics::reference::traced_blur`]).
 //!
 //! Leaves: one row a distance, pupil and accommodation, blurs in minutes of arc.
 
 use super::{NullReasons, known};
 use crate::optics::defocus::vergence_of_distance;
-use crate::optics::paraxial::{Meridian, paraxial};
+use crate::optics::reference::paraxial::{Meridian, paraxial};
+use crate::optics::reference::traced_blur::{BlurRow, aberrated_blur_disc, blur_table};
+use crate::optics::reference::wavefront::{ObjectPoint, trace_wavefront};
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
-use crate::optics::traced_blur::{BlurRow, aberrated_blur_disc, blur_table};
-use crate::optics::wavefront::{ObjectPoint, trace_wavefront};
 use serde::Serialize;
 
 /// Citations.

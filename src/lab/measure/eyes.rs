@@ -1,11 +1,11 @@
 //! The published schematic eyes and their first-order constants.
 //!
-//! Leaves: one row an eye and state, by [`crate::optics::paraxial`], at the wavelength for which the
+//! Leaves: one row an eye and state, by [`crate::optics::reference::paraxial`], at the wavelength for which the
 //! eye was published, and its chromatic difference of refraction beside that of living eyes.
 
 use super::{NullReasons, known};
-use crate::optics::chromatic::chromatic_difference_from;
-use crate::optics::paraxial::{Meridian, paraxial};
+use crate::optics::reference::chromatic::chromatic_difference_from;
+use crate::optics::reference::paraxial::{Meridian, paraxial};
 use crate::optics::schematic_eye::{GREEN_NM, PHOTOPIC_NM, SODIUM_NM, SchematicEye};
 use serde::Serialize;
 

@@ -4,10 +4,10 @@
 //! Leaves: one row a pupil and frequency.
 
 use super::{NullReasons, known};
-use crate::optics::mean_mtf::{MEAN_MTF_PUPIL_RANGE_MM, diffraction_mtf, mean_mtf};
-use crate::optics::psf::{Mtf, PsfError, PsfGrid, PupilFunction};
+use crate::optics::reference::mean_mtf::{MEAN_MTF_PUPIL_RANGE_MM, diffraction_mtf, mean_mtf};
+use crate::optics::reference::psf::{Mtf, PsfError, PsfGrid, PupilFunction};
+use crate::optics::reference::wavefront::{ObjectPoint, trace_wavefront};
 use crate::optics::schematic_eye::{GREEN_NM, SchematicEye};
-use crate::optics::wavefront::{ObjectPoint, trace_wavefront};
 use serde::Serialize;
 
 /// Citations.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::optics::cornea::cornea_trace;
-use crate::optics::paraxial::{Meridian, paraxial};
+use crate::optics::reference::paraxial::{Meridian, paraxial};
 use crate::optics::schematic_eye::{GREEN_NM, SODIUM_NM};
 use proptest::prelude::*;
 

@@ -1,7 +1,7 @@
 use super::dispersion::OcularMedium::{Aqueous, Cornea, Lens, Vitreous};
 use super::dispersion::{dispersed, navarro_index};
 use super::*;
-use crate::optics::paraxial::{Meridian, paraxial};
+use crate::optics::reference::paraxial::{Meridian, paraxial};
 use proptest::prelude::*;
 
 fn refraction(eye: &SchematicEye) -> f64 {

@@ -28,6 +28,8 @@ pub struct SceneChanges {
     known: HashMap<Entity, RenderLayers>,
     /// What has moved.
     movers: Movers,
+    /// Layers of meshes in shapes of Bevy's morph targets.
+    morphed: Option<RenderLayers>,
 }
 
 impl SceneChanges {
@@ -40,6 +42,13 @@ impl SceneChanges {
                 .touched
                 .as_ref()
                 .is_some_and(|touched| touched.intersects(layers))
+    }
+
+    /// Are there meshes on these layers that Bevy's morph targets shape?
+    pub(in crate::percept) fn has_morphs(&self, layers: Option<&RenderLayers>) -> bool {
+        let all = RenderLayers::default();
+        let morphed = self.morphed.as_ref();
+        morphed.is_some_and(|morphed| morphed.intersects(layers.unwrap_or(&all)))
     }
 
     /// What has moved.
@@ -220,7 +229,13 @@ pub(in crate::percept) fn notice(
             changes.add(layers);
         }
     }
+    changes.morphed = None;
     for (morph, layers) in &morphed {
+        let own = layers.cloned().unwrap_or_default();
+        changes.morphed = Some(match changes.morphed.take() {
+            Some(others) => others.union(&own),
+            None => own,
+        });
         let follows = match &*morph {
             MeshMorphWeights::Reference(entity) => weights.contains(*entity),
             MeshMorphWeights::Value { .. } => false,

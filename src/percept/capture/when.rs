@@ -2,6 +2,7 @@
 //! when the camera or anything before it has changed.
 
 use super::super::field::SharpnessField;
+use super::super::frame::PerceptFrame;
 use super::super::sees_as::{SeesAs, Worn};
 use super::super::view::{
     LaidOut, NEAR_M, Percept, QUIET_FRAMES, Sight, Stage, ViewOptions, is_shown,
@@ -13,6 +14,8 @@ use crate::frame::{Panel, SimulationClock};
 use crate::scene::photo_view::{Photograph, photo_images};
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::RenderLayers;
+use bevy::mesh::MeshTag;
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use std::sync::Arc;
@@ -110,7 +113,12 @@ pub(in crate::percept) fn drive_captures(
                     percept.moved = changes.movers().seen_by(layers, origin, knows);
                 }
                 let quiet = readiness.quiet_frames() >= QUIET_FRAMES;
-                drive(percept, has_changed, quiet) && !is_photo
+                let asked = percept.serial;
+                let draws = drive(percept, has_changed, quiet) && !is_photo;
+                if percept.serial != asked {
+                    percept.is_rehearsal = draws && changes.has_morphs(layers);
+                }
+                draws
             }
             _ => {
                 percept.is_outdated |= scene_changed;
@@ -230,6 +238,30 @@ fn drive(percept: &mut Percept, has_changed: bool, quiet: bool) -> bool {
         // Until it is recorded: its pipelines may be late. The answer takes longer.
         Stage::Asked => !percept.is_recorded(),
         Stage::Done => false,
+    }
+}
+
+/// A mesh that Bevy's morph targets shape.
+type Morphed<'a> = (Entity, Option<&'a mut MeshTag>);
+
+/// Makes Bevy take in again what it draws by its morph targets while a view is captured. Bevy 0.19 knows the
+/// shape of a mesh only from the frame after it has come into sight on, and only of what changes then; a view's
+/// camera would be gone by then, and draws once more for it.
+pub(in crate::percept) fn rouse_morphs(
+    views: Query<&PerceptFrame>,
+    mut meshes: Query<Morphed, With<MeshMorphWeights>>,
+    mut commands: Commands,
+) {
+    if meshes.is_empty() || !views.iter().any(|view| view.capture.is_some()) {
+        return;
+    }
+    for (mesh, tag) in &mut meshes {
+        match tag {
+            Some(mut tag) => tag.set_changed(),
+            None => {
+                commands.entity(mesh).insert(MeshTag::default());
+            }
+        }
     }
 }
 

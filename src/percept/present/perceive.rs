@@ -203,6 +203,7 @@ fn frame_of(
     }
     let captured = percept.stage == Stage::Done && size == shows.size;
     let is_asked = visible && percept.stage == Stage::Asked && !percept.is_recorded();
+    let is_asked = is_asked && !std::mem::take(&mut percept.is_rehearsal);
     let capture = is_asked.then(|| CaptureRequest {
         serial: percept.serial,
         source: match &percept.photo {

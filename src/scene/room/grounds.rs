@@ -4,7 +4,7 @@
 //! not compress: as PNG these would be 1.9 MB; these lines draw them in 0.15 s.
 
 use super::super::paint::{
-    Canvas, Clouds, Noise, hash, hex, mix, plaster, smoothstep, weave, wood,
+    Canvas, Clouds, ValueNoise, hex, mix, plaster, smoothstep, unit_hash, weave, wood,
 };
 
 /// The ground of a material of the built-in scenes; `None` where the baked picture is all.
@@ -67,7 +67,7 @@ fn wallpaper(ground: u32, leaf: u32) -> Canvas {
 /// Lozenges and a border, in wool.
 fn rug() -> Canvas {
     let [red, blue, sand] = [hex(0x9c3b2e), hex(0x2f4a63), hex(0xe2c89a)];
-    let (pile, worn) = (Noise::new(256, 77), Clouds::new(5, 3));
+    let (pile, worn) = (ValueNoise::new(256, 77), Clouds::new(5, 3));
     Canvas::shaded(512, 512, |u, v| {
         let edge = u.min(1.0 - u).min(v.min(1.0 - v));
         let (x, y) = ((u * 12.0).fract() - 0.5, (v * 12.0).fract() - 0.5);
@@ -98,7 +98,7 @@ fn rug() -> Canvas {
 
 /// Writing paper.
 fn paper() -> Canvas {
-    let pulp = Noise::new(9, 2);
+    let pulp = ValueNoise::new(9, 2);
     Canvas::shaded(888, 1260, |u, v| {
         hex(0xfaf6ea).map(|c| c * (0.985 + 0.02 * pulp.at(u * 9.0, v * 9.0)))
     })
@@ -168,8 +168,8 @@ fn tree(seed: u32) -> Canvas {
     }
     for i in 0..1100i32 {
         let t = i as f32 / 1100.0;
-        let angle = std::f32::consts::TAU * hash(i, 0, seed);
-        let reach = hash(i, 1, seed).sqrt();
+        let angle = std::f32::consts::TAU * unit_hash(i, 0, seed);
+        let reach = unit_hash(i, 1, seed).sqrt();
         let (x, y) = (
             256.0 + 205.0 * reach * angle.cos(),
             245.0 + 200.0 * reach * angle.sin(),
@@ -179,9 +179,9 @@ fn tree(seed: u32) -> Canvas {
         let color = mix(
             hex(0x2f5427),
             hex(0xa8c65c),
-            (1.1 * depth + 0.12 * hash(i, 2, seed)).min(1.0),
+            (1.1 * depth + 0.12 * unit_hash(i, 2, seed)).min(1.0),
         );
-        let size = 6.0 + 11.0 * hash(i, 3, seed);
+        let size = 6.0 + 11.0 * unit_hash(i, 3, seed);
         canvas.ellipse([x, y], [size, 0.7 * size], color, 1.0, 0.08);
     }
     canvas

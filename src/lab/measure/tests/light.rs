@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::optics::pupil::{Viewer, entrance_pupil};
+use crate::optics::reference::traced_blur::traced_blur;
 use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
-use crate::optics::traced_blur::traced_blur;
 
 #[test]
 fn eyes_have_their_published_constants() {
@@ -206,7 +206,7 @@ fn blurs_are_the_librarys() {
         "{far}"
     );
     for row in &rows {
-        // Spherical aberration explains the width, as in optics::traced_blur: 2 % of what is not
+        // Spherical aberration explains the width, as in optics::reference::traced_blur: 2 % of what is not
         // tiny, up to 6 mm and 5 D.
         let [traced, closed, pupil] = [
             "traced_rms_disc_arcmin",

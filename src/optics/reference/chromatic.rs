@@ -7,7 +7,7 @@
 //! constant alone depends on the wavelength in focus; 1.7312 puts it at 580 nm. It is a mean of
 //! observers, fitted over the visible range; below 400 nm the hyperbola is an extrapolation.
 
-use super::media::{LONGEST_NM, REFERENCE_NM, SHORTEST_NM};
+use crate::optics::media::{LONGEST_NM, REFERENCE_NM, SHORTEST_NM};
 
 /// Pole of the hyperbola (µm).
 const CHROMATIC_POLE_UM: f64 = 0.214_10;
@@ -22,7 +22,7 @@ pub const CHROMATIC_FOCUS_NM: f64 =
 
 /// Chromatic difference of refraction (D) at `wavelength_nm` for an eye that is emmetropic at
 /// [`CHROMATIC_FOCUS_NM`]: negative (myopic) in the blue, positive (hyperopic) in the red, so that
-/// it adds to the spectacle refraction of [`super::defocus`]. Wavelengths are limited to 380 to
+/// it adds to the spectacle refraction of [`crate::optics::defocus`]. Wavelengths are limited to 380 to
 /// 780 nm; what is not a number counts as 555 nm.
 pub fn chromatic_difference(wavelength_nm: f64) -> f64 {
     let wavelength = if wavelength_nm.is_nan() {

@@ -1,5 +1,5 @@
 //! How good is the blur disc? The geometric blur of a point on the retina of a schematic eye, by real
-//! rays, beside the simple angle `A |1/D − 1/P|` of [`super::defocus`].
+//! rays, beside the simple angle `A |1/D − 1/P|` of [`crate::optics::defocus`].
 //!
 //! In: an eye, the diameter of its entrance pupil, the distance of a point on the axis. Out: a
 //! [`TracedBlur`]: the extent and the RMS width of the spot as visual angles, and the simple formula in
@@ -33,11 +33,11 @@
 //! [`aberrated_blur_disc`] adds spherical aberration in closed form: within 1.5 % of the traced width
 //! everywhere in that range.
 
-use super::defocus::{defocus_blur_angle, vergence_of_distance};
 use super::paraxial::{Meridian, Paraxial, paraxial};
-use super::ray_trace::Ray;
-use super::schematic_eye::{SODIUM_NM, SchematicEye};
 use super::wavefront::{ObjectPoint, stop_radius_for, trace_wavefront};
+use crate::optics::defocus::{defocus_blur_angle, vergence_of_distance};
+use crate::optics::ray_trace::Ray;
+use crate::optics::schematic_eye::{SODIUM_NM, SchematicEye};
 use glam::DVec3;
 
 /// Rays along a radius of the pupil, without the one in the middle. Even, for Simpson's rule.

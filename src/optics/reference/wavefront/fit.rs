@@ -4,7 +4,7 @@
 //! so that the normal equations are near the identity and Cholesky's factors lose no digits.
 
 use super::WavefrontSample;
-use crate::optics::zernike::{ZERNIKE_COUNT, zernike_sum, zernike_values};
+use crate::optics::reference::zernike::{ZERNIKE_COUNT, zernike_sum, zernike_values};
 
 /// The coefficients that leave the least weighted square, and the root of its mean.
 pub(super) fn least_squares(samples: &[WavefrontSample]) -> ([f64; ZERNIKE_COUNT], f64) {

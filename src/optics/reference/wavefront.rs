@@ -16,12 +16,12 @@
 
 pub mod fit;
 
-use super::defocus::PowerVector;
 use super::paraxial::{Meridian, Paraxial, paraxial};
-use super::pupil::search::{find, search_start};
-use super::ray_trace::{Ray, Traced, trace_out_of};
-use super::schematic_eye::SchematicEye;
 use super::zernike::{ZERNIKE_COUNT, refraction_from_zernike, zernike_rms};
+use crate::optics::defocus::PowerVector;
+use crate::optics::pupil::search::{find, search_start};
+use crate::optics::ray_trace::{Ray, Traced, trace_out_of};
+use crate::optics::schematic_eye::SchematicEye;
 use glam::{DVec2, DVec3};
 use thiserror::Error;
 

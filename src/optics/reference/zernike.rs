@@ -10,7 +10,7 @@
 //! ρ^|m| sin |m|θ are the real and imaginary parts of (x + iy)^|m|, and the rest of R a polynomial in
 //! ρ², so that no angle is ever taken.
 
-use super::defocus::PowerVector;
+use crate::optics::defocus::PowerVector;
 use glam::DVec2;
 
 /// Number of polynomials to the sixth order: j = 0 … 27.

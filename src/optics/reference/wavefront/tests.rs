@@ -1,9 +1,9 @@
 use super::*;
 use crate::optics::defocus::PowerVector;
 use crate::optics::ray_trace::Interface;
+use crate::optics::reference::zernike::{paraxial_sphere_from_zernike, zernike_slopes};
 use crate::optics::schematic_eye::{GREEN_NM, PHOTOPIC_NM, SODIUM_NM};
 use crate::optics::surface::{Placed, Quadric};
-use crate::optics::zernike::{paraxial_sphere_from_zernike, zernike_slopes};
 use proptest::prelude::*;
 
 fn on_axis(eye: &SchematicEye, diameter: f64) -> Wavefront {

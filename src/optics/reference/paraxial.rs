@@ -7,8 +7,8 @@
 //! `−(n′ − n) c y` to ν, a gap t adds `t ν/n` to y. A gradient-index lens, `n₀(z) + n_r r²`, obeys
 //! `y′ = ν/n₀, ν′ = 2 n_r y` and is integrated by Runge–Kutta. Tilts and decentrations are left out.
 
-use super::ray_trace::{IndexField, Interface};
-use super::schematic_eye::SchematicEye;
+use crate::optics::ray_trace::{IndexField, Interface};
+use crate::optics::schematic_eye::SchematicEye;
 use glam::{DMat2, DVec2, DVec3};
 
 /// Runge–Kutta steps through one gradient: relative error of the power 1e-13.

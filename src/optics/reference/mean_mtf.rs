@@ -7,7 +7,7 @@
 //! The mean eye is Watson 2013 (J. Vision 13(6):18), fitted to the wavefronts of 200 eyes corrected
 //! for white light: `M(u, d) = (1 + (u/u₁)²)^−0.62 √D(u, d, 555 nm)` with
 //! `u₁ = 21.95 − 5.512 d + 0.3922 d²`, for pupils of 2 to 6 mm. It is the radial mean, and leaves out
-//! scatter ([`super::glare`]). For pupils up to 4 mm the fit exceeds the diffraction limit at low
+//! scatter ([`crate::optics::glare`]). For pupils up to 4 mm the fit exceeds the diffraction limit at low
 //! frequencies, by 0.0065 at most (2 mm, 1.3 c/deg).
 //!
 //! `D = (2/π)(arccos û − û √(1 − û²))`, `û = u/u₀`, is the incoherent transfer of a circular pupil

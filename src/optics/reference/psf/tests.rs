@@ -1,7 +1,7 @@
 use super::*;
+use crate::optics::reference::wavefront::{ObjectPoint, trace_wavefront};
+use crate::optics::reference::zernike::zernike_rms;
 use crate::optics::schematic_eye::{GREEN_NM, SchematicEye};
-use crate::optics::wavefront::{ObjectPoint, trace_wavefront};
-use crate::optics::zernike::zernike_rms;
 use proptest::prelude::*;
 
 const NONE: [f64; ZERNIKE_COUNT] = [0.0; ZERNIKE_COUNT];
@@ -127,7 +127,7 @@ fn a_sloping_wave_moves_the_image_where_it_says() {
 fn large_defocus_is_the_geometric_disc() {
     // 3 D through 4 mm: a disc of 41 arcmin.
     let mut c = NONE;
-    c[4] = crate::optics::zernike::zernike_from_refraction(
+    c[4] = crate::optics::reference::zernike::zernike_from_refraction(
         crate::optics::defocus::PowerVector::from_sphere_cylinder(-3.0, 0.0, 0.0),
         2.0,
     )[1];
