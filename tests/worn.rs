@@ -644,20 +644,30 @@ fn a_mesh_is_seen_in_the_shape_that_its_morph_weights_give_it() {
     let (camera, image) = worn(&mut headless, ann, target_image(UVec2::splat(64)), None);
     let layer = RenderLayers::layer(9);
     let world = headless.world();
-    let corners = [[-0.9f32, -0.6, 0.0], [-0.3, -0.6, 0.0], [-0.3, 0.6, 0.0], [-0.9, 0.6, 0.0]];
+    let corners = [
+        [-0.9f32, -0.6, 0.0],
+        [-0.3, -0.6, 0.0],
+        [-0.3, 0.6, 0.0],
+        [-0.9, 0.6, 0.0],
+    ];
     let aside = MorphAttributes::new(Vec3::X * 1.2, Vec3::ZERO, Vec3::ZERO);
-    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.to_vec())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, 1.0]; 4])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.0f32; 2]; 4])
-        .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3]))
-        .with_morph_targets(vec![aside; 4]);
+    let mesh = Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.to_vec())
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, 1.0]; 4])
+    .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.0f32; 2]; 4])
+    .with_inserted_indices(Indices::U32(vec![0, 1, 2, 0, 2, 3]))
+    .with_morph_targets(vec![aside; 4]);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-    let white = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
-        base_color: Color::WHITE,
-        unlit: true,
-        ..default()
-    });
+    let white = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(StandardMaterial {
+            base_color: Color::WHITE,
+            unlit: true,
+            ..default()
+        });
     let card = world
         .spawn((
             Mesh3d(mesh),
@@ -667,7 +677,9 @@ fn a_mesh_is_seen_in_the_shape_that_its_morph_weights_give_it() {
             layer.clone(),
         ))
         .id();
-    world.entity_mut(camera).insert((layer, Transform::default()));
+    world
+        .entity_mut(camera)
+        .insert((layer, Transform::default()));
     headless.go_to(0.2);
     let sides = |headless: &mut Headless| {
         frames(headless, 10);
@@ -675,9 +687,15 @@ fn a_mesh_is_seen_in_the_shape_that_its_morph_weights_give_it() {
         [part_mean(&picture, 6, 24), part_mean(&picture, 42, 24)]
     };
     let [left, right] = sides(&mut headless);
-    assert!(right > left + 30.0, "shaped to the right: {left} and {right}");
+    assert!(
+        right > left + 30.0,
+        "shaped to the right: {left} and {right}"
+    );
     let weights = vec![0.0];
-    headless.world().entity_mut(card).insert(MeshMorphWeights::Value { weights });
+    headless
+        .world()
+        .entity_mut(card)
+        .insert(MeshMorphWeights::Value { weights });
     let [left, right] = sides(&mut headless);
     assert!(left > right + 30.0, "and back: {left} and {right}");
 }

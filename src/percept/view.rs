@@ -106,6 +106,8 @@ pub struct Percept {
     pub(super) size: UVec2,
     pub(super) scale: u32,
     pub(super) waited: u32,
+    /// What Bevy will draw the scene into for captures, while it draws into a small picture.
+    pub(super) full_picture: Option<Handle<Image>>,
     /// The camera draws once more before the capture that was asked for last: see [`rouse_morphs`](super::capture).
     pub(super) is_rehearsal: bool,
     /// What is seen is another scene: nothing remembered applies, and time waits for it.
@@ -156,6 +158,7 @@ impl Default for Percept {
             size: UVec2::ZERO,
             scale: 1,
             waited: 0,
+            full_picture: None,
             is_rehearsal: false,
             is_new: true,
             is_unfinished: false,

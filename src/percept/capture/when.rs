@@ -20,6 +20,8 @@ use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use std::sync::Arc;
 
+/// Longer side of the picture that a camera draws before its first capture, pixels.
+const REHEARSAL_SIDE: u32 = 32;
 /// Largest side of the scene's picture that every device takes.
 const LARGEST_TEXTURE: u32 = 8192;
 
@@ -33,7 +35,7 @@ type Capturing<'a> = (
     Option<&'a Panel>,
     Option<&'a Photograph>,
     Option<&'a RenderLayers>,
-    Ref<'a, Projection>,
+    Mut<'a, Projection>,
     &'a mut Percept,
     &'a mut Camera,
     &'a mut RenderTarget,
@@ -65,7 +67,7 @@ pub(in crate::percept) fn drive_captures(
         panel,
         photo,
         layers,
-        projection,
+        mut projection,
         mut percept,
         mut camera,
         mut target,
@@ -117,6 +119,11 @@ pub(in crate::percept) fn drive_captures(
                 let draws = drive(percept, has_changed, quiet) && !is_photo;
                 if percept.serial != asked {
                     percept.is_rehearsal = draws && changes.has_morphs(layers);
+                    if let Some(picture) = percept.full_picture.take() {
+                        worn.draw_into(picture, percept.scale as f32, &mut target);
+                        // Bevy asks for a target's size when this or the image changes, not for another target.
+                        projection.set_changed();
+                    }
                 }
                 draws
             }
@@ -162,10 +169,14 @@ fn lay_out(
     match photo {
         None => {
             percept.photo = None;
-            let picture = images.add(picture_image(size * scale));
-            worn.draw_into(picture, scale as f32, target);
+            // For its pipelines a small one of its shape will do.
+            let small = (size * REHEARSAL_SIDE / size.max_element()).max(UVec2::ONE);
+            worn.draw_into(images.add(picture_image(small)), 1.0, target);
+            // The full one is there when it is drawn.
+            percept.full_picture = Some(images.add(picture_image(size * scale)));
         }
         Some((photo, picture)) => {
+            percept.full_picture = None;
             let (colour, vergence, smaller_deg) = photo_images(&photo.photo, picture, size);
             percept.photo = Some(LaidOut {
                 photo: photo.photo.clone(),
@@ -177,7 +188,8 @@ fn lay_out(
             });
         }
     }
-    if is_resized {
+    // A new picture has to be made, and to be drawn into, before it is captured.
+    if is_resized || photo.is_none() {
         percept.stage = Stage::Wanted;
         percept.waited = 0;
         readiness.restart();

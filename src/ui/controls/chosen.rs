@@ -234,7 +234,7 @@ fn depth(
 pub fn files(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     ui.horizontal_wrapped(|ui| {
         let open = ui.button("Open own file…").on_hover_text(
-            "A photograph (with its depth image, if there is one), a glTF model, or a patient file. It stays on this machine.",
+            "A photograph (with its depth image, if there is one), several pictures that follow one another, a glTF model, or a patient file. It stays on this machine.",
         );
         state.places.insert("open", open.rect);
         if open.clicked() {
