@@ -19,6 +19,8 @@ const SIDE: u32 = 128;
 struct Moment {
     arm_m: [f32; 3],
     arm_turn: Quat,
+    /// It turns inside out and back.
+    card_scale: [f32; 3],
     joint_turn: Quat,
     weight: f32,
 }
@@ -27,6 +29,7 @@ fn moment(time_s: f32) -> Moment {
     Moment {
         arm_m: [-0.7, 0.5 * time_s, -3.0],
         arm_turn: Quat::from_rotation_z(time_s * FRAC_PI_2),
+        card_scale: [1.0 - 2.0 * time_s, -0.6, 1.0],
         joint_turn: Quat::from_rotation_z(-time_s * FRAC_PI_2),
         weight: time_s,
     }
@@ -65,9 +68,9 @@ impl Buffer {
     }
 }
 
-/// A card on an arm, a strip that bends at its middle joint, and a card that grows by a shape; with its
-/// animation, or still at a moment.
-fn file(at: Option<&Moment>) -> (Value, Vec<u8>) {
+/// A card and a lamp on an arm, a strip in a mirror that bends at its middle joint, and a card that grows and
+/// tilts by a shape; with its animation, or still at a moment; shining by themselves, or in the lamp's light.
+fn file(at: Option<&Moment>, is_lit: bool) -> (Value, Vec<u8>) {
     let mut buffer = Buffer::default();
     let card = buffer.floats(
         "VEC3",
@@ -104,31 +107,40 @@ fn file(at: Option<&Moment>) -> (Value, Vec<u8>) {
     let shape = buffer.floats(
         "VEC3",
         3,
-        &[-0.2, 0.0, 0.0, 0.2, 0.0, 0.0, 0.2, 0.3, 0.0, -0.2, 0.3, 0.0],
+        &[-0.2, 0.0, 0.0, 0.2, 0.0, 0.0, 0.2, 0.3, 0.4, -0.2, 0.3, 0.4],
     );
+    let material = |[r, g, b]: [f64; 3]| {
+        let surface =
+            json!({"baseColorFactor": [r, g, b, 1], "metallicFactor": 0, "roughnessFactor": 1});
+        let extensions = if is_lit {
+            json!({})
+        } else {
+            json!({"KHR_materials_unlit": {}})
+        };
+        json!({"pbrMetallicRoughness": surface, "extensions": extensions})
+    };
     let rest = moment(0.0);
     let still = at.unwrap_or(&rest);
     let mut json = json!({
         "asset": {"version": "2.0"},
-        "extensionsUsed": ["KHR_materials_unlit"],
+        "extensionsUsed": ["KHR_materials_unlit", "KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 900.0}]}},
         "scene": 0,
-        "scenes": [{"nodes": [0, 2, 3, 5, 6]}],
+        "scenes": [{"nodes": [0, 8, 5, 6]}],
         "nodes": [
-            {"name": "arm", "translation": still.arm_m, "rotation": still.arm_turn.to_array(), "children": [1]},
-            {"name": "card", "mesh": 0, "translation": [0.3, 0.0, 0.0], "scale": [1.0, -0.6, 1.0]},
+            {"name": "arm", "translation": still.arm_m, "rotation": still.arm_turn.to_array(), "children": [1, 7]},
+            {"name": "card", "mesh": 0, "translation": [0.3, 0.0, 0.0], "scale": still.card_scale},
             {"name": "strip", "mesh": 1, "skin": 0},
-            {"name": "low", "translation": [0.8, -0.6, -3.0], "children": [4]},
+            {"name": "low", "translation": [-0.8, -0.6, -3.0], "children": [4]},
             {"name": "high", "translation": [0.0, 0.6, 0.0], "rotation": still.joint_turn.to_array()},
             {"name": "shaped", "mesh": 2, "translation": [0.0, -0.8, -3.0], "weights": [still.weight]},
-            {"name": "eye", "camera": 0}
+            {"name": "eye", "camera": 0},
+            {"name": "lamp", "rotation": Quat::from_rotation_x(-0.6).to_array(), "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"name": "mirror", "scale": [-1.0, 1.0, 1.0], "children": [2, 3]}
         ],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
         "skins": [{"joints": [3, 4], "inverseBindMatrices": binds}],
-        "materials": [
-            {"extensions": {"KHR_materials_unlit": {}}, "pbrMetallicRoughness": {"baseColorFactor": [1, 0.1, 0.1, 1]}},
-            {"extensions": {"KHR_materials_unlit": {}}, "pbrMetallicRoughness": {"baseColorFactor": [0.1, 1, 0.1, 1]}, "doubleSided": true},
-            {"extensions": {"KHR_materials_unlit": {}}, "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 1, 1]}}
-        ],
+        "materials": [material([1.0, 0.1, 0.1]), material([0.1, 1.0, 0.1]), material([0.1, 0.1, 1.0])],
         "meshes": [
             {"primitives": [{"attributes": {"POSITION": card}, "indices": corners, "material": 0}]},
             {"primitives": [{"attributes": {"POSITION": strip, "JOINTS_0": joints, "WEIGHTS_0": shares}, "indices": ladder, "material": 1}]},
@@ -143,14 +155,15 @@ fn file(at: Option<&Moment>) -> (Value, Vec<u8>) {
         let turns = |from: Quat, to: Quat| through(&from.to_array(), &to.to_array());
         let arm = buffer.floats("VEC4", 4, &turns(start.arm_turn, end.arm_turn));
         let bends = buffer.floats("VEC4", 4, &turns(start.joint_turn, end.joint_turn));
+        let scales = buffer.floats("VEC3", 3, &through(&start.card_scale, &end.card_scale));
         let weights = buffer.floats("SCALAR", 1, &[0.0, 1.0, 0.0]);
         let channel = |sampler: usize, node: usize, path: &str| json!({"sampler": sampler, "target": {"node": node, "path": path}});
-        let samplers =
-            [moves, arm, bends, weights].map(|output| json!({"input": times, "output": output}));
+        let samplers = [moves, arm, bends, weights, scales]
+            .map(|output| json!({"input": times, "output": output}));
         json["animations"] = json!([{
             "name": "wave",
             "samplers": samplers,
-            "channels": [channel(0, 0, "translation"), channel(1, 0, "rotation"), channel(2, 4, "rotation"), channel(3, 5, "weights")]
+            "channels": [channel(0, 0, "translation"), channel(1, 0, "rotation"), channel(2, 4, "rotation"), channel(4, 1, "scale"), channel(3, 5, "weights")]
         }]);
     }
     json["buffers"] = json!([{"uri": "a.bin", "byteLength": buffer.bytes.len()}]);
@@ -159,8 +172,8 @@ fn file(at: Option<&Moment>) -> (Value, Vec<u8>) {
     (json, buffer.bytes)
 }
 
-fn model(at: Option<&Moment>) -> SceneModel {
-    read(file(at))
+fn model(at: Option<&Moment>, is_lit: bool) -> SceneModel {
+    read(file(at, is_lit))
 }
 
 fn read((json, bytes): (Value, Vec<u8>)) -> SceneModel {
@@ -191,45 +204,53 @@ fn seen_at(headless: &mut Headless, time_s: f64) -> RgbaImage {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// Shining by itself everything is where it should be; in the light of a lamp that moves too, it faces where it
+/// should.
 #[test]
 fn each_moment_of_an_animation_is_where_its_key_frames_put_it() {
     let _alone = alone();
-    let moving = model(None);
-    assert!(moving.remarks.is_empty(), "{:?}", moving.remarks);
-    let mut moving = opened(moving);
-    let mut pictures = Vec::new();
-    for time_s in [0.0, 0.6, 1.0] {
-        let mut still = opened(model(Some(&moment(time_s))));
-        pictures.push((
-            seen_at(&mut moving, time_s.into()),
-            seen_at(&mut still, time_s.into()),
-        ));
-    }
-    for (index, (found, wanted)) in pictures.iter().enumerate() {
-        // Positions in the other order of sums: a pixel here and there along an edge.
-        let error = difference(found, wanted);
-        assert!(error < 0.1, "moment {index}: {error} codes");
-        // Every other moment is another picture.
-        for (other, _) in pictures.iter().filter(|(other, _)| other != found) {
-            let error = difference(other, wanted);
-            assert!(error > 2.0, "moment {index}: {error} codes");
+    for is_lit in [false, true] {
+        let moving = model(None, is_lit);
+        assert!(moving.remarks.is_empty(), "{:?}", moving.remarks);
+        assert_eq!(
+            moving.motion.as_ref().map(|motion| motion.lights.len()),
+            Some(1)
+        );
+        let mut moving = opened(moving);
+        let mut pictures = Vec::new();
+        for time_s in [0.0, 0.6, 1.0] {
+            let mut still = opened(model(Some(&moment(time_s)), is_lit));
+            // In the very frame of that time.
+            moving.go_to(time_s.into());
+            let now = moving
+                .panel(Which::View)
+                .unwrap_or_else(|error| panic!("{error}"));
+            pictures.push((now, seen_at(&mut still, time_s.into())));
         }
+        for (index, (found, wanted)) in pictures.iter().enumerate() {
+            // Positions in the other order of sums: a pixel here and there along an edge.
+            let error = difference(found, wanted);
+            assert!(error < 0.1, "lit {is_lit}, moment {index}: {error} codes");
+            // Every other moment is another picture.
+            for (other, _) in pictures.iter().filter(|(other, _)| other != found) {
+                let error = difference(other, wanted);
+                assert!(error > 2.0, "lit {is_lit}, moment {index}: {error} codes");
+            }
+        }
+        // Its end is its beginning.
+        let again = seen_at(&mut moving, 2.6);
+        let error = difference(&again, &pictures[1].1);
+        assert!(error < 0.1, "lit {is_lit}: {error} codes");
     }
-    // Its end is its beginning.
-    let again = seen_at(&mut moving, 2.6);
-    let error = difference(&again, &pictures[1].1);
-    assert!(error < 0.1, "{error} codes");
 }
 
 #[test]
 fn a_moving_model_is_captured_as_it_moves_and_not_when_time_stands() {
     let _alone = alone();
-    // A shape is another mesh, which takes a frame more to be there.
-    let (mut json, bytes) = file(None);
-    json["animations"][0]["channels"]
-        .as_array_mut()
-        .expect("channels")
-        .pop();
+    // Another shape, or one that is turned inside out, is another mesh, which takes a frame more to be there.
+    let (mut json, bytes) = file(None, false);
+    let channels = json["animations"][0]["channels"].as_array_mut();
+    channels.expect("channels").truncate(3);
     let mut headless = opened(read((json, bytes)));
     headless.go_to(0.3);
     settle(&mut headless);
@@ -248,8 +269,17 @@ fn a_moving_model_is_captured_as_it_moves_and_not_when_time_stands() {
         settle(&mut headless);
     }
     assert_eq!(headless.work().since(before).view_captures, 5);
+    // A shape is there a frame after it was asked for, and a picture before everything is built is taken again.
+    let mut headless = opened(model(None, false));
+    let before = headless.work();
+    for step in 1..=5 {
+        headless.go_to(0.1 * f64::from(step));
+        settle(&mut headless);
+    }
+    let captures = headless.work().since(before).view_captures;
+    assert!((5..=15).contains(&captures), "{captures}");
     // The same nodes without key frames are still.
-    let mut headless = opened(model(Some(&moment(0.3))));
+    let mut headless = opened(model(Some(&moment(0.3)), false));
     let before = headless.work();
     for step in 1..=5 {
         headless.go_to(0.1 * f64::from(step));

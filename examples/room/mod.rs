@@ -3,10 +3,14 @@
 #![allow(dead_code, reason = "no example uses all of it")]
 
 use bevy::prelude::*;
-use ocularium::lab::record::Recording;
+use ocularium::lab::record::{Recording, USAGE};
 
 /// What the command line asks for; the program ends where it makes no sense.
 pub fn recording() -> Option<Recording> {
+    if std::env::args().any(|argument| matches!(&*argument, "--help" | "-h")) {
+        println!("Opens a window. Options: {USAGE}.");
+        std::process::exit(0);
+    }
     match Recording::from_arguments(std::env::args().skip(1)) {
         Ok(recording) => recording,
         Err(sentence) => {

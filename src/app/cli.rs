@@ -117,7 +117,7 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
     }
     let scene = source.load(&options, shown.scene_unit.map(SceneUnit::metres))?;
     let moves = matches!(&scene, LoadedScene::Photo(photo) if photo.course.is_some());
-    if shown.scene_fps.is_some() && !moves {
+    if shown.scene_fps.is_some() && !moves && !shown.scene.is_dir() {
         return Err(format!(
             "--scene-fps is the rate of pictures that follow one another, and the scene {:?} has none",
             shown.scene
@@ -147,6 +147,16 @@ fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
             arguments.size.x, arguments.size.y, small.0.x, small.0.y
         ));
         return Ok(ExitCode::from(2));
+    }
+    let folder = |path: &Path| path.canonicalize().ok().filter(|path| path.is_dir());
+    if let Some(scene) = folder(&arguments.shown.scene)
+        && folder(&arguments.out) == Some(scene)
+    {
+        return Err(format!(
+            "--out {:?} is the folder of the scene's own pictures; choose another",
+            arguments.out
+        )
+        .into());
     }
     let head_path = arguments
         .head_path

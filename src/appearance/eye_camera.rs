@@ -169,16 +169,24 @@ pub fn aim_cameras(
 }
 
 /// What a camera's last drawn frame showed; a frame that would show the same is not drawn.
-#[derive(Component, Default)]
+#[derive(Component, Default, Reflect)]
+#[reflect(Component, from_reflect = false)]
 pub struct Drawn {
+    #[reflect(ignore)]
     orbit: Option<EyeOrbit>,
+    #[reflect(ignore)]
     size: UVec2,
+    #[reflect(ignore)]
     msaa: Option<Msaa>,
     /// The eye has changed since.
+    #[reflect(ignore)]
     is_stale: bool,
+    #[reflect(ignore)]
     settled: bool,
+    #[reflect(ignore)]
     unsettled_frames: u32,
     /// What was drawn when all of it was there: which building of the eye, how smoothly.
+    #[reflect(ignore)]
     whole: Option<(u64, Msaa)>,
 }
 

@@ -80,32 +80,55 @@ pub(super) struct MadeOf {
 }
 
 /// The parts of one eye in the world. `Changed` when the next picture of it differs from the last.
-#[derive(Component, Default)]
+#[derive(Component, Default, Reflect)]
+#[reflect(Component, from_reflect = false)]
 pub struct EyeParts {
     /// Counts how often it was built anew.
+    #[reflect(ignore)]
     pub(super) built: u64,
     /// The eye that is shown.
+    #[reflect(ignore)]
     pub(super) eye: Option<Entity>,
+    #[reflect(ignore)]
     pub(super) made_of: Option<MadeOf>,
     /// The light table of a cornea and an iris, which outlasts another colour.
+    #[reflect(ignore)]
     pub(super) light: Option<(LightTableSettings, Handle<Image>)>,
+    #[reflect(ignore)]
     pub(super) layers: RenderLayers,
+    #[reflect(ignore)]
     pub(super) lashes: Option<Lashes>,
+    #[reflect(ignore)]
     pub(super) posed: PosedRegion,
+    #[reflect(ignore)]
     pub(super) hair: HairMesh,
+    #[reflect(ignore)]
     pub(super) pose: Option<LidPose>,
+    #[reflect(ignore)]
     pub(super) shape: Option<GlobeShape>,
+    #[reflect(ignore)]
     pub(super) lids: LidHeights,
+    #[reflect(ignore)]
     pub(super) head_from_eye: Option<Quat>,
+    #[reflect(ignore)]
     pub(super) pupil_radius_mm: f32,
+    #[reflect(ignore)]
     pub(super) studio: Option<Studio>,
+    #[reflect(ignore)]
     pub(super) media: Option<OcularMedia>,
+    #[reflect(ignore)]
     pub(super) globe: Vec<(Entity, Handle<GlobeMaterial>)>,
+    #[reflect(ignore)]
     pub(super) skin: Handle<Mesh>,
+    #[reflect(ignore)]
     pub(super) skin_material: Handle<SkinMaterial>,
+    #[reflect(ignore)]
     pub(super) lash_mesh: Handle<Mesh>,
+    #[reflect(ignore)]
     pub(super) hair_material: Handle<HairMaterial>,
+    #[reflect(ignore)]
     pub(super) meniscus_mesh: Handle<Mesh>,
+    #[reflect(ignore)]
     pub(super) meniscus_material: Handle<MeniscusMaterial>,
 }
 

@@ -53,7 +53,7 @@ impl Condition for Ptosis {
 
     fn caption(&self) -> String {
         if self.mrd1_mm >= USUAL_MM {
-            return "A lid at its usual place.".into();
+            return "No ptosis (MRD1 4.4 mm).".into();
         }
         let mrd1 = format!("{:.1}", self.mrd1_mm).replace('-', "−");
         format!("Ptosis, MRD1 {mrd1} mm.")

@@ -7,13 +7,18 @@ use super::headless::Headless;
 use super::render::RenderError;
 use crate::frame::panel::target_image;
 use crate::frame::picture::encode_png;
-use crate::output_file::{prepare_folder, write_whole};
+use crate::output_file::{FolderLock, prepare_folder, write_whole};
 use bevy::app::PluginGroupBuilder;
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::window::WindowRef;
 use std::num::NonZero;
 use std::path::PathBuf;
+
+/// The options of a recording.
+const KNOWN: [&str; 4] = ["--frames", "--out", "--fps", "--size"];
+/// The same, for people.
+pub const USAGE: &str = "--frames N --out DIR (pictures in a folder in place of a window), --fps F (10) and --size WxH (1280x640)";
 
 /// What is to be recorded.
 #[derive(Resource, Clone, Debug, PartialEq)]
@@ -41,21 +46,25 @@ impl Recording {
         let (mut fps, mut size) = (10.0, UVec2::new(1280, 640));
         let mut arguments = arguments.into_iter();
         while let Some(name) = arguments.next() {
+            if !KNOWN.contains(&&*name) {
+                return Err(format!("{name} is not known; known are {USAGE}"));
+            }
             let value = arguments
                 .next()
                 .ok_or_else(|| format!("{name} needs a value"))?;
-            let wrong = || format!("{name} {value:?} is not understood");
+            let wrong = |range: &str| format!("{name} {value:?} is not {range}");
             match name.as_str() {
                 "--frames" => {
                     let count = value.parse::<u64>().ok();
-                    frames = Some(count.filter(|count| *count > 0).ok_or_else(wrong)?);
+                    let count = count.filter(|count| *count > 0);
+                    frames = Some(count.ok_or_else(|| wrong("a number of frames, 1 and more"))?);
                 }
                 "--out" => out = Some(PathBuf::from(value)),
                 "--fps" => {
                     let rate = value.parse::<f64>().ok();
                     fps = rate
                         .filter(|rate| (1e-3..=1e3).contains(rate))
-                        .ok_or_else(wrong)?;
+                        .ok_or_else(|| wrong("a rate of 0.001 to 1000 frames a second"))?;
                 }
                 "--size" => {
                     let sides = value.split_once('x').and_then(|(width, height)| {
@@ -63,13 +72,11 @@ impl Recording {
                     });
                     let allowed =
                         |size: &UVec2| size.min_element() >= 16 && size.max_element() <= 8192;
-                    size = sides.filter(allowed).ok_or_else(wrong)?;
+                    size = sides
+                        .filter(allowed)
+                        .ok_or_else(|| wrong("a size such as 640x320, each side 16 to 8192"))?;
                 }
-                _ => {
-                    return Err(format!(
-                        "{name} is not known; known are --frames N, --out DIR, --fps F and --size WxH"
-                    ));
-                }
+                _ => {}
             }
         }
         match (frames, out) {
@@ -132,6 +139,7 @@ fn take_windows_place(picture: Res<InWindowsPlace>, mut cameras: Query<&mut Rend
 
 fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<(), RenderError> {
     prepare_folder(&recording.out)?;
+    let _lock = FolderLock::take(&recording.out)?;
     let mut headless = Headless::of(app)?;
     for frame in 0..recording.frames {
         headless.go_to(frame as f64 / recording.fps);
@@ -140,6 +148,7 @@ fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<()
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
         write_whole(&recording.out.join(format!("frame_{frame:05}.png")), &png)?;
     }
+    println!("{} frames in {}", recording.frames, recording.out.display());
     Ok(())
 }
 

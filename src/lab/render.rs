@@ -178,6 +178,7 @@ pub fn render(
 ) -> Result<RenderReport, RenderError> {
     prepare_folder(&request.out)?;
     let mut lock = FolderLock::take(&request.out)?;
+    refuse_foreign_frames(&request.out, &lock)?;
     let mut remarks = session.scene.remarks().to_vec();
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
@@ -317,6 +318,20 @@ fn more_frames(count: u64) -> String {
         1 => "1 more frame".into(),
         many => format!("{many} more frames"),
     }
+}
+
+/// What is called as this program's frames are and was written by no run of it stays: it may be somebody's film.
+fn refuse_foreign_frames(out: &Path, lock: &FolderLock) -> Result<(), WriteError> {
+    let first = frame_path(out, 0);
+    if lock.left.is_some() || out.join("report.json").exists() || !first.exists() {
+        return Ok(());
+    }
+    Err(WriteError {
+        path: first.display().to_string(),
+        reason: "a picture of this name is there, and no report of an earlier run counts it; choose another \
+                 folder with --out"
+            .into(),
+    })
 }
 
 /// Removes what an earlier run said of its frames, now that they are replaced: a run that fails on the

@@ -43,7 +43,8 @@ pub enum MotionCommand {
 }
 
 /// What moves a person's eyes and lids: her oculomotor engine, and what it has done.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque, Component)]
 pub struct GazeController {
     /// The engine of the leading eye, which the other follows.
     engine: Oculomotor,

@@ -6,7 +6,9 @@
 use crate::anatomy::{IrisColor, Laterality};
 use crate::conditions::{Affected, Condition, with_conditions};
 use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::world::EntityWorldMut;
+use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 
 /// How the pupil is set.
@@ -92,7 +94,8 @@ macro_rules! patient_file {
         ///
         /// As a component it makes its entity that patient, with two eyes, and is gone: see
         /// [`crate::patients`].
-        #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+        #[reflect(opaque, Component)]
         #[component(on_insert = super::components::replace_with_components)]
         #[serde(deny_unknown_fields, default)]
         pub struct PatientFile {

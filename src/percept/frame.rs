@@ -5,9 +5,11 @@ use super::gpu_data::{MediaUniform, PerceptUniform, PhotoUniform};
 use super::pass::Effects;
 use crate::anatomy::VisualField;
 use bevy::asset::Handle;
+use bevy::ecs::reflect::ReflectComponent;
 use bevy::image::Image;
 use bevy::math::UVec2;
 use bevy::prelude::Component;
+use bevy::reflect::Reflect;
 use bevy::render::extract_component::ExtractComponent;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -55,7 +57,8 @@ pub struct FieldMap {
 }
 
 /// One frame of the view of a camera.
-#[derive(Component, Clone, Debug, Default, ExtractComponent)]
+#[derive(Component, Clone, Debug, Default, ExtractComponent, Reflect)]
+#[reflect(opaque, Component)]
 pub struct PerceptFrame {
     /// Is the panel shown? If not, nothing runs.
     pub visible: bool,

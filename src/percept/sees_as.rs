@@ -33,7 +33,8 @@ use bevy::window::{PrimaryWindow, WindowRef};
 pub struct SeesAs(#[entities] pub Entity);
 
 /// What a camera was before it began to see as somebody does, and has been given since.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque, Component)]
 pub struct Worn {
     target: RenderTarget,
     viewport: Option<Viewport>,
@@ -102,7 +103,8 @@ const NOTHING: RenderTarget = RenderTarget::None {
 };
 
 /// A camera that hands a view's picture on.
-#[derive(Component, Clone, Debug, ExtractComponent)]
+#[derive(Component, Clone, Debug, ExtractComponent, Reflect)]
+#[reflect(opaque, Component)]
 pub struct Presents(pub Handle<Image>);
 
 /// The parts of a camera that change when it is worn.

@@ -97,54 +97,86 @@ pub(super) struct Sight {
 }
 
 /// The state of the view of one camera.
-#[derive(Component, Debug)]
+#[derive(Component, Debug, Reflect)]
+#[reflect(Component, from_reflect = false)]
 pub struct Percept {
     /// Which view this is, in the order in which they were made.
+    #[reflect(ignore)]
     pub(super) born: u64,
+    #[reflect(ignore)]
     pub(super) stage: Stage,
+    #[reflect(ignore)]
     pub(super) serial: u64,
+    #[reflect(ignore)]
     pub(super) size: UVec2,
+    #[reflect(ignore)]
     pub(super) scale: u32,
+    #[reflect(ignore)]
     pub(super) waited: u32,
     /// What Bevy will draw the scene into for captures, while it draws into a small picture.
+    #[reflect(ignore)]
     pub(super) full_picture: Option<Handle<Image>>,
     /// The camera draws once more before the capture that was asked for last: see [`rouse_morphs`](super::capture).
+    #[reflect(ignore)]
     pub(super) is_rehearsal: bool,
     /// What is seen is another scene: nothing remembered applies, and time waits for it.
+    #[reflect(ignore)]
     pub(super) is_new: bool,
     /// Captured while something was not built yet: to be captured again.
+    #[reflect(ignore)]
     pub(super) is_unfinished: bool,
     /// Captured while the answer to an earlier capture was on its way: its own will not come.
+    #[reflect(ignore)]
     pub(super) is_unread: bool,
+    #[reflect(ignore)]
     pub(super) forget: bool,
+    #[reflect(ignore)]
     pub(super) lifetime: u64,
     /// Asked for by [`Percept::take_again`].
+    #[reflect(ignore)]
     pub(super) is_outdated: bool,
     /// The voxels of the memory are divided otherwise than those of the next capture.
+    #[reflect(ignore)]
     pub(super) forget_voxels: bool,
     /// What was asked for last.
+    #[reflect(ignore)]
     pub(super) asked: Asked,
     /// What has moved in it as it is to be captured next, and by name that of which it keeps something.
+    #[reflect(ignore)]
     pub(super) moved: Moved,
+    #[reflect(ignore)]
     pub(super) known_movers: HashSet<u32>,
     /// Who knows where she may look in it.
+    #[reflect(ignore)]
     pub(super) told: Option<Entity>,
     /// How its camera drew it.
+    #[reflect(ignore)]
     pub(super) look: Look,
     /// Threshold, exposure and edge of a voxel with which it was captured.
+    #[reflect(ignore)]
     pub(super) taken_with: (u8, f32, f64),
     /// The target that was drawn into last, and whether as nobody's view.
+    #[reflect(ignore)]
     pub(super) drawn_into: Option<(Handle<Image>, UVec2, bool)>,
+    #[reflect(ignore)]
     pub(super) photo: Option<LaidOut>,
+    #[reflect(ignore)]
     pub(super) sight: Sight,
     /// Where the eye was when the memory began: the origin of its voxels, m.
+    #[reflect(ignore)]
     pub(super) origin: Vec3,
+    #[reflect(ignore)]
     pub(super) field: Option<FieldMap>,
     /// What clouded media do to the light, and of which media in a view of what size that is.
+    #[reflect(ignore)]
     pub(super) media: Option<(OcularMedia, [u32; 2], f32, MediaUniform)>,
+    #[reflect(ignore)]
     pub(super) shown: Option<(PerceptUniform, Option<MediaUniform>)>,
+    #[reflect(ignore)]
     pub(super) captured: CaptureResult,
+    #[reflect(ignore)]
     pub(super) captured_half: Vec2,
+    #[reflect(ignore)]
     pub(super) returned: PerceptReturn,
 }
 

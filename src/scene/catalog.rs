@@ -7,7 +7,7 @@ use super::gltf_file::{Beside, load_gltf_among};
 use super::model::{SceneError, SceneModel};
 use super::photo::{PhotoOptions, PhotoScene, read_file, read_named_file};
 use super::picture_file::{READABLE, foreign_format};
-use super::pictures::{load_pictures, pictures_in};
+use super::pictures::{check_extent, load_pictures, pictures_in};
 use super::room;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -222,11 +222,28 @@ impl SceneSource {
     /// The pictures of a folder, one after the other.
     fn of_folder(folder: &Path, depth: Option<&Path>) -> Result<Self, SceneError> {
         let read = |path: PathBuf| Ok((path.display().to_string(), read_file(&path)?));
-        let files: Result<_, SceneError> = pictures_in(folder)?.into_iter().map(read).collect();
+        let mut found = pictures_in(folder)?;
+        let is_depth = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.to_lowercase().contains("depth")
+        };
+        // As in the window: the one picture that is called so.
+        let mut depth = depth.map(Into::into);
+        if depth.is_none()
+            && found.len() > 1
+            && found.iter().filter(|path| is_depth(path)).count() == 1
+        {
+            depth = found.iter().position(is_depth).map(|at| found.remove(at));
+        }
+        // Before all of them are read.
+        if let Ok(size) = image::image_dimensions(&found[0]) {
+            check_extent(size, found.len(), &folder.display().to_string())?;
+        }
+        let files: Result<_, SceneError> = found.into_iter().map(read).collect();
         Ok(Self::Photo {
             path: folder.into(),
             files: files?,
-            depth: depth.map(Into::into),
+            depth,
         })
     }
 

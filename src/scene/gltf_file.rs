@@ -127,9 +127,7 @@ fn load(
     beside: Beside,
     unit_m: Option<f32>,
 ) -> Result<SceneModel, SceneError> {
-    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)
-        .map_err(|error| malformed(name, one_clause(&error)))?;
-    let mut json = document.into_json();
+    let (mut json, blob) = parse(bytes, name)?;
     check_extensions(&json, name)?;
     let compression = compression_used(&json, name);
     let unread = unread(&json, name);
@@ -156,6 +154,20 @@ fn load(
         return Err(malformed(
             name,
             format!("a mesh names accessor {missing}, of which there are {known}"),
+        ));
+    }
+    let nodes = json.nodes.len();
+    let moved = json
+        .animations
+        .iter()
+        .flat_map(|animation| &animation.channels);
+    if let Some(missing) = moved
+        .map(|channel| channel.target.node.value())
+        .find(|&node| node >= nodes)
+    {
+        return Err(malformed(
+            name,
+            format!("an animation moves node {missing}, of which there are {nodes}"),
         ));
     }
     // An accessor without data is all zeros, which the library's validation does not know.
@@ -225,6 +237,36 @@ fn load(
     Ok(scene)
 }
 
+/// A file's description, and the data beside it.
+fn parse(bytes: &[u8], name: &str) -> Result<(gltf::json::Root, Option<Vec<u8>>), SceneError> {
+    let error = match gltf::Gltf::from_slice_without_validation(bytes) {
+        Ok(gltf::Gltf { document, blob }) => return Ok((document.into_json(), blob)),
+        Err(error) => malformed(name, one_clause(&error)),
+    };
+    // A channel that names no node moves none (glTF 2.0, 3.11); the library demands one.
+    let apart = gltf::Glb::from_slice(bytes);
+    let (text, blob) = match &apart {
+        Ok(glb) => (&*glb.json, glb.bin.as_ref().map(|bin| bin.to_vec())),
+        Err(_) => (bytes, None),
+    };
+    let Ok(mut json) = serde_json::from_slice::<serde_json::Value>(text) else {
+        return Err(error);
+    };
+    let animations = json
+        .get_mut("animations")
+        .and_then(|all| all.as_array_mut());
+    for animation in animations.into_iter().flatten() {
+        if let Some(channels) = animation
+            .get_mut("channels")
+            .and_then(|all| all.as_array_mut())
+        {
+            channels.retain(|channel| channel["target"]["node"].is_u64());
+        }
+    }
+    let root = serde_json::from_value(json).map_err(|_| error)?;
+    Ok((root, blob))
+}
+
 /// The scene that is shown.
 fn root_of(document: &Document) -> Option<gltf::Scene<'_>> {
     document
@@ -283,7 +325,8 @@ fn walk(
     unit_m: f32,
     scene: &mut SceneModel,
 ) -> Result<Option<EyePlacement>, SceneError> {
-    let course = read_course(document, source)?;
+    let mut course = read_course(document, source)?;
+    scene.remarks.append(&mut course.remarks);
     // All places first: a skin's joints may come after its mesh.
     let base = Mat4::from_scale(Vec3::splat(unit_m));
     let placed = place_nodes(document, source, base, &course)?;
@@ -314,7 +357,7 @@ fn walk(
                 );
                 if place.moves {
                     scene.remarks.push(format!(
-                        "\"{}\": its camera moves in the file; here it begins there, and the head moves it.",
+                        "\"{}\": its camera moves in the file; the eye stays where that is at the beginning.",
                         source.name
                     ));
                 }
@@ -376,14 +419,15 @@ fn add_meshes(
 fn left_out(document: &Document, name: &str) -> Vec<String> {
     let mut remarks = Vec::new();
     let animations = document.animations().count();
-    if animations > 1 {
-        let first = document.animations().next().and_then(|found| found.name());
+    if animations > 1
+        && let Some(played) = course::played(document)
+    {
+        let called = played
+            .name()
+            .map_or_else(String::new, |name| format!(" (\"{}\")", one_clause(&name)));
         remarks.push(format!(
-            "\"{name}\": of its {animations} animations the first is played{}.",
-            first.map_or_else(String::new, |first| format!(
-                " (\"{}\")",
-                one_clause(&first)
-            ))
+            "\"{name}\": of its {animations} animations number {}{called} is played.",
+            played.index() + 1
         ));
     }
     let is_spot = |light: gltf::khr_lights_punctual::Light| {

@@ -419,7 +419,7 @@ pub enum SceneError {
     },
     /// Neither a built-in scene nor a file.
     #[error(
-        "There is no scene \"{name}\"; the built-in ones are {known}, and a file can be given instead: a glTF model (.gltf, .glb) or a photograph (.png, .jpg, .webp, .gif, .tif, .bmp)."
+        "There is no scene \"{name}\"; the built-in ones are {known}, and a file can be given instead: a glTF model (.gltf, .glb) or a photograph (.png, .jpg, .webp, .gif, .tif, .bmp), or a folder of pictures that follow one another."
     )]
     Unknown {
         /// What was asked for.

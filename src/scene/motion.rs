@@ -5,6 +5,9 @@
 
 use glam::{Mat4, Quat, Vec3};
 
+/// What is nearer to a key frame than this is at it, s: sums of frame times differ in their last digits.
+const TOLERANCE_S: f64 = 1e-6;
+
 /// Everything that moves, and along what.
 #[derive(Debug, Clone, Default)]
 pub struct SceneMotion {
@@ -73,6 +76,8 @@ pub struct MovingMesh {
     pub positions: Vec<[f32; 3]>,
     /// Unit normals in the node's frame.
     pub normals: Vec<[f32; 3]>,
+    /// Its triangles have vertices of their own, and normals that follow from them.
+    pub is_flat: bool,
     /// What bends it; its node then carries it no more.
     pub held: Option<Held>,
     /// The shapes that it takes by the weights of its node.
@@ -80,6 +85,32 @@ pub struct MovingMesh {
 }
 
 impl MovingMesh {
+    /// Normals of vertices of which each three are a triangle.
+    pub fn flat_normals(positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let mut normals = vec![[0.0, 1.0, 0.0]; positions.len()];
+        for (corners, normals) in positions.chunks_exact(3).zip(normals.chunks_exact_mut(3)) {
+            let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(corners[k]));
+            normals.fill((b - a).cross(c - a).normalize_or(Vec3::Y).into());
+        }
+        normals
+    }
+
+    /// The least and the greatest corner of a box that holds it in every mixture of its shapes with weights
+    /// from 0 to 1, in its own frame, m.
+    pub fn extent(&self) -> [Vec3; 2] {
+        let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+        for (vertex, at) in self.positions.iter().enumerate() {
+            let (mut least, mut most) = (Vec3::from(*at), Vec3::from(*at));
+            for shape in &self.shapes {
+                let by = shape.positions.get(vertex).copied().unwrap_or_default();
+                least += Vec3::from(by).min(Vec3::ZERO);
+                most += Vec3::from(by).max(Vec3::ZERO);
+            }
+            (low, high) = (low.min(least), high.max(most));
+        }
+        [low, high]
+    }
+
     /// Positions (m) and unit normals with these weights of its shapes.
     pub fn shape(&self, weights: &[f32]) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
         let (mut positions, mut normals) = (self.positions.clone(), self.normals.clone());
@@ -94,7 +125,9 @@ impl MovingMesh {
                 add(&mut normals, &shape.normals, *weight);
             }
         }
-        if !self.shapes.is_empty() {
+        if self.is_flat {
+            normals = Self::flat_normals(&positions);
+        } else if !self.shapes.is_empty() {
             for normal in &mut normals {
                 *normal = Vec3::from(*normal).normalize_or(Vec3::Y).into();
             }
@@ -272,7 +305,7 @@ impl Keys {
     fn around(&self, time_s: f64) -> (usize, usize, f32, f32) {
         let after = self
             .times_s
-            .partition_point(|time| f64::from(*time) <= time_s);
+            .partition_point(|time| f64::from(*time) <= time_s + TOLERANCE_S);
         let last = self.times_s.len() - 1;
         if after == 0 {
             return (0, 0, 0.0, 0.0);
@@ -281,7 +314,7 @@ impl Keys {
             return (last, last, 0.0, 0.0);
         }
         let [from, to] = [after - 1, after].map(|key| f64::from(self.times_s[key]));
-        let share = (time_s - from) / (to - from);
+        let share = ((time_s - from) / (to - from)).clamp(0.0, 1.0);
         (after - 1, after, (to - from) as f32, share as f32)
     }
 
@@ -308,8 +341,12 @@ impl Keys {
         }
     }
 
-    /// The rotation at a time, of unit length; `None` where it has none.
-    fn rotation_at(&self, time_s: f64) -> Option<Quat> {
+    /// The rotation at a time, of unit length; none where four zeros say nothing.
+    fn rotation_at(&self, time_s: f64) -> Quat {
+        self.unit_rotation_at(time_s).unwrap_or(Quat::IDENTITY)
+    }
+
+    fn unit_rotation_at(&self, time_s: f64) -> Option<Quat> {
         let unit = |v: &[f32]| {
             let v = Quat::from_slice(v);
             let length = v.length();
@@ -324,11 +361,24 @@ impl Keys {
     }
 }
 
+impl SceneMotion {
+    /// May a node be turned inside out, itself or by what carries it?
+    pub fn may_mirror(&self, node: usize) -> bool {
+        let chain = std::iter::successors(Some(node), |node| self.nodes[*node].parent);
+        let scaled: Vec<usize> = chain.collect();
+        self.animation.channels.iter().any(|channel| {
+            channel.property == Property::Scale
+                && scaled.contains(&channel.node)
+                && channel.keys.values.iter().any(|value| *value < 0.0)
+        })
+    }
+}
+
 impl SceneAnimation {
     /// Where in its course it is at a time, s.
     pub fn course_s(&self, time_s: f64) -> f64 {
         if self.duration_s > 0.0 {
-            time_s.rem_euclid(self.duration_s)
+            (time_s + TOLERANCE_S).rem_euclid(self.duration_s)
         } else {
             0.0
         }
@@ -354,9 +404,8 @@ impl SceneAnimation {
                     place(channel.node, &|pose| pose.scale = scale);
                 }
                 Property::Rotation => {
-                    if let Some(rotation) = channel.keys.rotation_at(course_s) {
-                        place(channel.node, &|pose| pose.rotation = rotation);
-                    }
+                    let rotation = channel.keys.rotation_at(course_s);
+                    place(channel.node, &|pose| pose.rotation = rotation);
                 }
                 Property::Weights => weigh(channel.node, &channel.keys.at(course_s)),
             }
@@ -425,20 +474,14 @@ mod tests {
         let turned = keys(values, 4, Interpolation::Linear);
         for n in 0..=10 {
             let share = n as f32 / 10.0;
-            let found = turned
-                .rotation_at(1.0 + f64::from(share))
-                .expect("a rotation");
+            let found = turned.rotation_at(1.0 + f64::from(share));
             let wanted = Quat::from_rotation_y(share * FRAC_PI_2);
             // Single precision of the arc's cosine.
             assert!(found.angle_between(wanted) < 1e-3, "{found} at {share}");
         }
-        assert!(
-            turned
-                .rotation_at(3.0)
-                .is_some_and(|q| q.angle_between(quarter) < 1e-3)
-        );
+        assert!(turned.rotation_at(3.0).angle_between(quarter) < 1e-3);
         let none = Keys::new(vec![0.0], vec![0.0; 4], 4, Interpolation::Step).expect("finite");
-        assert_eq!(none.rotation_at(0.0), None);
+        assert_eq!(none.rotation_at(0.0), Quat::IDENTITY);
     }
 
     #[test]

@@ -4,14 +4,17 @@
 use super::photo::PhotoScene;
 use bevy::asset::RenderAssetUsages;
 use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
 use bevy::image::Image;
 use bevy::math::{Isometry3d, UVec2, Vec2};
+use bevy::reflect::Reflect;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use half::f16;
 use std::sync::Arc;
 
 /// The photograph that a camera looks at in place of what stands before it in the world.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque, Component)]
 pub struct Photograph {
     /// The photograph.
     pub photo: Arc<PhotoScene>,

@@ -183,7 +183,12 @@ pub fn animated_pictures(
     };
     let mut pictures = Vec::new();
     for frame in frames {
-        let frame = frame.map_err(damaged)?;
+        let frame = match frame {
+            Ok(frame) => frame,
+            // Of a file that is cut off what is whole is seen.
+            Err(_) if !pictures.is_empty() => break,
+            Err(error) => return Err(damaged(error)),
+        };
         if pictures.len() == most {
             return Err(SceneError::Content {
                 source_name: source_name.into(),

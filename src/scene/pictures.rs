@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 /// Pictures a second where neither a file nor the user says how many.
 const USUAL_FPS: f64 = 25.0;
+/// What is nearer to a picture's beginning than this is in it, s.
+const TOLERANCE_S: f64 = 1e-6;
 /// Largest number of texels of all pictures together: 768 MiB of colours.
 pub const MAX_COURSE_TEXELS: u64 = 128 << 20;
 /// Endings of files that are taken for pictures where a folder holds other things too.
@@ -46,7 +48,8 @@ impl PictureCourse {
         if duration_s <= 0.0 {
             return 0;
         }
-        let passed_s = time_s.rem_euclid(duration_s);
+        // The sums of a file's times and a frame's own differ in their last digits.
+        let passed_s = (time_s + TOLERANCE_S).rem_euclid(duration_s);
         let index = self
             .pictures
             .partition_point(|picture| picture.until_s <= passed_s);
@@ -97,14 +100,22 @@ pub fn load_pictures(
         let texels = u64::from(scene.width) * u64::from(scene.height);
         let most = (MAX_COURSE_TEXELS / texels.max(1)) as usize;
         let found = animated_pictures(first, first_name, most)?;
+        let mut left_out = 0;
         for (image, seconds) in found {
             let rgb = on_white(image);
             if rgb.dimensions() == (scene.width, scene.height) {
                 pictures.push(take(rgb.into_raw(), shown_s.unwrap_or(seconds)));
+            } else {
+                left_out += 1;
             }
         }
+        if left_out > 0 {
+            scene.remarks.push(format!(
+                "\"{source_name}\": {left_out} of its pictures have another size than the first and are left out."
+            ));
+        }
     } else {
-        check_extent(&scene, files.len(), source_name)?;
+        check_extent((scene.width, scene.height), files.len(), source_name)?;
         let each_s = shown_s.unwrap_or(1.0 / USUAL_FPS);
         pictures.push(take(scene.rgb16_srgb.clone(), each_s));
         for (name, bytes) in later {
@@ -134,8 +145,16 @@ pub fn load_pictures(
     Ok(scene)
 }
 
-fn check_extent(scene: &PhotoScene, count: usize, source_name: &str) -> Result<(), SceneError> {
-    let texels = u64::from(scene.width) * u64::from(scene.height);
+/// Are so many pictures of this size within what is kept?
+///
+/// # Errors
+/// A sentence that says how many would be.
+pub fn check_extent(
+    (width, height): (u32, u32),
+    count: usize,
+    source_name: &str,
+) -> Result<(), SceneError> {
+    let texels = u64::from(width) * u64::from(height);
     let most = MAX_COURSE_TEXELS / texels.max(1);
     if count as u64 <= most {
         return Ok(());
@@ -143,9 +162,8 @@ fn check_extent(scene: &PhotoScene, count: usize, source_name: &str) -> Result<(
     Err(SceneError::Content {
         source_name: source_name.into(),
         reason: format!(
-            "it has {count} pictures of {}×{}, but at most {most} of that size are kept: take fewer or \
-             smaller ones",
-            scene.width, scene.height
+            "it has {count} pictures of {width}×{height}, but at most {most} of that size are kept: take fewer or \
+             smaller ones"
         ),
     })
 }
@@ -169,7 +187,8 @@ pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, SceneError> {
         let is_hidden = path
             .file_name()
             .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if !is_hidden && ending.is_some_and(|ending| ENDINGS.contains(&&*ending)) {
+        if !is_hidden && path.is_file() && ending.is_some_and(|ending| ENDINGS.contains(&&*ending))
+        {
             found.push(path);
         }
     }
@@ -249,6 +268,25 @@ mod tests {
             assert_eq!(course.index_at(time), index, "at {time}");
         }
         assert!(course.pictures[2].mean_luminance_cd_m2 > course.pictures[0].mean_luminance_cd_m2);
+        // At equal rates each frame has its picture, for laps.
+        let course = PictureCourse {
+            pictures: (1..=60)
+                .scan(0.0, |until_s, _| {
+                    *until_s += 1.0 / 25.0;
+                    Some(CoursePicture {
+                        until_s: *until_s,
+                        ..CoursePicture::default()
+                    })
+                })
+                .collect(),
+        };
+        for frame in 0..6000 {
+            assert_eq!(
+                course.index_at(frame as f64 / 25.0),
+                frame % 60,
+                "frame {frame}"
+            );
+        }
         // One alone stands still.
         let one = load_pictures(&named[..1], "f.png", None, &options).expect("a photograph");
         assert!(one.course.is_none());

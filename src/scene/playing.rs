@@ -11,18 +11,32 @@ use super::spawn::ScenePart;
 use crate::frame::SimulationClock;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
-use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use std::sync::Arc;
 
 /// A scene that moves by itself, from time 0 on and again from its end.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(opaque, Component)]
 pub struct PlayingScene {
     motion: Arc<SceneMotion>,
     nodes: Vec<Entity>,
-    /// Meshes that take shapes, by their places in [`SceneMotion::meshes`], and with which weights.
-    shaped: Vec<(usize, Handle<Mesh>, Vec<f32>)>,
+    /// Meshes that are made anew as they move.
+    remade: Vec<Remade>,
+}
+
+/// A mesh that takes shapes, or is turned inside out by a scale below 0.
+#[derive(Clone, Debug)]
+struct Remade {
+    /// Its place in [`SceneMotion::meshes`].
+    at: usize,
+    entity: Entity,
+    mesh: Handle<Mesh>,
+    /// The weights of its shapes, as it is.
+    weights: Vec<f32>,
+    /// Whether it is turned inside out, as it is.
+    is_mirrored: bool,
 }
 
 /// A scene that moves, while it is spawned.
@@ -55,7 +69,7 @@ impl Rig {
             playing: PlayingScene {
                 motion: motion.clone(),
                 nodes,
-                shaped: Vec::new(),
+                remade: Vec::new(),
             },
         }
     }
@@ -81,10 +95,14 @@ impl Rig {
             mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
             mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, held.weights.clone());
         }
-        if !moving.shapes.is_empty() {
+        if self.is_remade(moving) {
             mesh.asset_usage = RenderAssetUsages::default();
         }
         mesh
+    }
+
+    fn is_remade(&self, moving: &MovingMesh) -> bool {
+        !moving.shapes.is_empty() || self.playing.motion.may_mirror(moving.node)
     }
 
     /// Hangs a mesh on what moves it.
@@ -105,23 +123,24 @@ impl Rig {
             }
             None => {
                 entity.insert(ChildOf(self.playing.nodes[moving.node]));
-                let shaped = moving.shapes.iter().flat_map(|shape| {
-                    let both = shape.positions.iter().zip(&moving.positions);
-                    both.map(|(by, at)| Vec3::from(*by) + Vec3::from(*at))
-                });
-                let corners = moving.positions.iter().map(|corner| Vec3::from(*corner));
-                if let Some(box_of_it) = Aabb::enclosing(corners.chain(shaped)) {
+                if let Some(box_of_it) = Aabb::enclosing(moving.extent()) {
                     entity.insert(box_of_it);
                 }
             }
         }
-        let at = motion
+        let found = motion
             .meshes
             .iter()
             .position(|known| known.mesh == moving.mesh);
-        if let Some(at) = at.filter(|_| !moving.shapes.is_empty()) {
-            let weights = self.weights(moving).to_vec();
-            self.playing.shaped.push((at, mesh, weights));
+        if let Some(at) = found.filter(|_| self.is_remade(moving)) {
+            let remade = Remade {
+                at,
+                entity: entity.id(),
+                mesh,
+                weights: self.weights(moving).to_vec(),
+                is_mirrored: is_mirrored(motion, moving.node, |node| motion.nodes[node].pose.scale),
+            };
+            self.playing.remade.push(remade);
         }
     }
 
@@ -153,6 +172,7 @@ pub fn play(
     mut played_s: Local<Option<f64>>,
     mut scenes: Query<&mut PlayingScene>,
     mut nodes: Query<&mut Transform>,
+    mut drawn: Query<&mut Mesh3d>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     let is_later = *played_s != Some(clock.time_s);
@@ -179,20 +199,52 @@ pub fn play(
             },
             |node, weights| weighed.push((node, weights.to_vec())),
         );
-        for (at, mesh, weights) in &mut scene.shaped {
-            let moving = &scene.motion.meshes[*at];
-            let Some((_, now)) = weighed.iter().find(|(node, _)| *node == moving.node) else {
+        let (motion, entities) = (&scene.motion, &scene.nodes);
+        let scale_of = |node: usize| {
+            nodes
+                .get(entities[node])
+                .map_or(Vec3::ONE, |place| place.scale)
+        };
+        for remade in &mut scene.remade {
+            let moving = &motion.meshes[remade.at];
+            let is_mirrored = is_mirrored(motion, moving.node, scale_of);
+            let found = weighed.iter().find(|(node, _)| *node == moving.node);
+            let weights = found.map_or(&remade.weights, |(_, now)| now).clone();
+            if weights == remade.weights && is_mirrored == remade.is_mirrored {
+                continue;
+            }
+            let Some(mut mesh) = meshes.get_mut(&remade.mesh) else {
                 continue;
             };
-            if now == weights {
-                continue;
+            // Whoever looks is told in this frame; that the mesh is another is known a frame later.
+            if let Ok(mut drawn) = drawn.get_mut(remade.entity) {
+                drawn.set_changed();
             }
-            weights.clone_from(now);
-            if let Some(mut mesh) = meshes.get_mut(&*mesh) {
-                let (positions, normals) = moving.shape(now);
+            if weights != remade.weights {
+                let (positions, normals) = moving.shape(&weights);
                 mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
                 mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+                remade.weights = weights;
+            }
+            if is_mirrored != remade.is_mirrored {
+                turn_round(&mut mesh);
+                remade.is_mirrored = is_mirrored;
             }
         }
+    }
+}
+
+/// Is a node mirrored by its own scale and those of what carries it?
+fn is_mirrored(motion: &SceneMotion, node: usize, scale_of: impl Fn(usize) -> Vec3) -> bool {
+    let chain = std::iter::successors(Some(node), |node| motion.nodes[*node].parent);
+    let mirrors = chain.filter(|node| scale_of(*node).element_product() < 0.0);
+    mirrors.count() % 2 == 1
+}
+
+/// Lets triangles go round the other way: what is outside of a mirrored mesh would be culled (glTF 2.0,
+/// 3.7.4).
+fn turn_round(mesh: &mut Mesh) {
+    if let Some(Indices::U32(indices)) = mesh.indices_mut() {
+        indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
     }
 }

@@ -172,11 +172,16 @@ impl Plugin for StagePlugin {
                 Update,
                 (
                     (head::follow_path, head::place_head).chain(),
-                    play.run_if(any_with_component::<PlayingScene>),
+                    play.run_if(any_with_component::<PlayingScene>.and_then(is_view_shown)),
                 )
                     .in_set(EyeSystems::Move),
             );
     }
+}
+
+/// What nobody looks at does not move.
+fn is_view_shown(stage: Res<Stage>, panels: Query<&Panel>) -> bool {
+    panels.get(stage.view).is_ok_and(|panel| panel.visible)
 }
 
 /// Spawns everybody and everything.

@@ -88,6 +88,7 @@ const fn wrap(cell: i32, period: u32) -> i32 {
     }
 }
 
+#[inline]
 fn fade(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
@@ -227,7 +228,7 @@ impl ValueNoise {
         self.period
     }
 
-    /// How far a coordinate is across its cell, on a Hermite step, and the cell's number. There are ten million calls in a room, hence no `floor`.
+    /// How far a coordinate is across its cell, on the quintic step, and the cell's number. There are ten million calls in a room, hence no `floor`.
     #[inline]
     fn cell(&self, place: f32) -> (f32, usize) {
         let cut = place as i32;
@@ -238,7 +239,7 @@ impl ValueNoise {
         } else {
             start.rem_euclid(self.period)
         };
-        (across * across * (3.0 - 2.0 * across), number as usize)
+        (fade(across), number as usize)
     }
 
     /// Its value at a place.

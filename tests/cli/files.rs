@@ -413,3 +413,76 @@ fn a_view_without_anything_in_it_is_said() {
         }
     }
 }
+
+/// Whoever plays a film does not lose it.
+#[test]
+fn a_film_of_somebody_elses_is_shown_and_not_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let film = folder.path().join("film");
+    fs::create_dir(&film).expect("a folder");
+    for index in 0..3u8 {
+        let picture = image::RgbImage::from_pixel(32, 24, image::Rgb([80 * index, 90, 30]));
+        let name = format!("frame_{index:05}.png");
+        picture.save(film.join(name)).expect("saved");
+    }
+    let before = fs::read(film.join("frame_00000.png")).expect("read");
+    let film = film.display().to_string();
+    let render = [
+        "render",
+        "--scene",
+        &film,
+        "--panel",
+        "view",
+        "--size",
+        "32x24",
+        "--seconds",
+        "0.1",
+    ];
+    refused(
+        &[&render[..], &["--out", &film]].concat(),
+        &["film", "the folder of the scene"],
+    );
+    // Nor by another run.
+    let other = [
+        "render",
+        "--scene",
+        "chart",
+        "--panel",
+        "view",
+        "--size",
+        "32x24",
+        "--seconds",
+        "0.1",
+    ];
+    refused(
+        &[&other[..], &["--out", &film]].concat(),
+        &["frame_00000.png", "no report"],
+    );
+    assert_eq!(
+        fs::read(format!("{film}/frame_00000.png")).expect("read"),
+        before
+    );
+    // And it is seen, once and again.
+    let out = folder.path().join("out").display().to_string();
+    let _alone = alone();
+    for _ in 0..2 {
+        succeeds(&[&render[..], &["--scene-fps", "30", "--out", &out]].concat());
+    }
+    misused(
+        &[&render[..], &["--scene-fps", "0", "--out", &out]].concat(),
+        "0.1 to 240",
+    );
+    let still = data("page.png");
+    refused(
+        &[
+            "render",
+            "--scene",
+            &still,
+            "--scene-fps",
+            "5",
+            "--out",
+            &out,
+        ],
+        &["--scene-fps", "page.png"],
+    );
+}

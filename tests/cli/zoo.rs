@@ -104,6 +104,15 @@ fn model(replaced: &[(&str, &str)]) -> Vec<u8> {
     glb(&json, &blob)
 }
 
+/// The same with an animation of one channel, which moves this.
+fn moved(node: &str) -> Vec<u8> {
+    let asset = r#""asset":{"version":"2.0"}"#;
+    let animation = format!(
+        r#"{asset},"animations":[{{"samplers":[{{"input":1,"output":0}}],"channels":[{{"sampler":0,"target":{{{node}"path":"translation"}}}}]}}]"#
+    );
+    model(&[(asset, &animation)])
+}
+
 /// What is to become of a file: it is shown, shown with a remark, or refused; with a part of what is
 /// said of it.
 #[derive(Clone, Copy)]
@@ -164,6 +173,8 @@ fn models() -> Vec<(&'static str, Vec<u8>, Due)> {
             Refused("loop"),
         ),
         ("own_child.glb", model(&[(node, r#""nodes":[{"mesh":0,"children":[0]}]"#)]), Refused("loop")),
+        ("moves_nobody.glb", moved(""), Shown),
+        ("moves_a_missing_node.glb", moved(r#""node":77,"#), Refused("moves node 77")),
         ("deep.glb", model(&[(node, &chain)]), Refused("deep")),
         ("no_node.glb", model(&[(r#""scenes":[{"nodes":[0]}]"#, r#""scenes":[{"nodes":[7]}]"#)]), Refused("out of bounds")),
         ("many.glb", model(&[(r#""count":3"#, r#""count":4294967295"#)]), Refused("accessor 0")),

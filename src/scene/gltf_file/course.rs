@@ -1,6 +1,6 @@
 //! A file's animation (glTF 2.0, 3.11): its key frames, and where they put nodes at time 0.
 //!
-//! A file's first animation is the one that is played.
+//! A file's first animation that moves anything is the one that is played.
 
 use super::super::model::SceneError;
 use super::super::motion::{Channel, Interpolation, Keys, NodePose, Property, SceneAnimation};
@@ -15,6 +15,8 @@ pub(super) struct Course {
     pub(super) animation: SceneAnimation,
     poses: HashMap<usize, NodePose>,
     weights: HashMap<usize, Vec<f32>>,
+    /// What of it is not played, one sentence each.
+    pub(super) remarks: Vec<String>,
 }
 
 impl Course {
@@ -52,28 +54,36 @@ impl Course {
     }
 }
 
-/// Reads the first animation, if there is one.
+/// The animation that is played: the first that moves anything.
+pub(super) fn played(document: &Document) -> Option<animation::Animation<'_>> {
+    let mut all = document.animations();
+    all.find(|animation| animation.channels().next().is_some())
+}
+
+/// Reads the animation that is played, if there is one.
 pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course, SceneError> {
     let mut course = Course {
         animation: SceneAnimation::default(),
         poses: HashMap::new(),
         weights: HashMap::new(),
+        remarks: Vec::new(),
     };
-    let Some(found) = document.animations().next() else {
+    let Some(found) = played(document) else {
         return Ok(course);
     };
     let name = found
         .name()
         .map_or_else(|| "animation 0".to_owned(), one_clause_of);
     for channel in found.channels() {
-        let read = read_channel(&channel, source)?;
-        let read = read.map_err(|fault| {
-            source.malformed(format!(
-                "in animation \"{name}\", channel {}: {fault}",
+        match read_channel(&channel, source)? {
+            Ok(read) => course.animation.channels.extend(read),
+            // What is wrong with how a thing moves keeps nobody from seeing it.
+            Err(fault) => course.remarks.push(format!(
+                "\"{}\": channel {} of its animation \"{name}\" is not played: {fault}.",
+                source.name,
                 channel.index()
-            ))
-        })?;
-        course.animation.channels.extend(read);
+            )),
+        }
     }
     let ends = course
         .animation
@@ -92,6 +102,7 @@ pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course
         animation,
         poses,
         weights,
+        ..
     } = &mut course;
     animation.pose(
         0.0,

@@ -64,7 +64,8 @@ impl Gathered {
                 need(place.node.index());
             }
             if let Some(skin) = place.node.skin()
-                && skin.joints().any(|joint| is_moved(&joint))
+                // Shapes may move where joints rest.
+                && (place.moves || skin.joints().any(|joint| is_moved(&joint)))
                 && skins.iter().all(|known| known.index() != skin.index())
             {
                 // A mesh's own node has the weights of its shapes.
@@ -132,7 +133,7 @@ impl Gathered {
         let count = skin.joints().count();
         if joints.len() != count || count > MOST {
             self.remarks.push(format!(
-                "\"{}\": skin {} has {count} joints, more than {MOST} or some outside of the scene, and rests.",
+                "\"{}\": skin {} has {count} joints, more than {MOST} or some outside of the scene: it and what it holds rest.",
                 source.name,
                 skin.index()
             ));
@@ -167,13 +168,16 @@ impl Gathered {
         source: &Source,
     ) -> Result<(), SceneError> {
         let node = &place.node;
-        let skin = node
-            .skin()
+        // What has no joints hangs on its node, whatever skin that has.
+        let is_held = primitive.get(&Semantic::Joints(0)).is_some();
+        let own = node.skin().filter(|_| is_held);
+        let skin = own
+            .as_ref()
             .and_then(|skin| self.skins.get(&skin.index()).copied());
         let (Some(&carrier), true) = (
             self.nodes.get(&node.index()),
             // A skin that rests leaves its mesh where it is.
-            skin.is_some() || (place.moves && node.skin().is_none()),
+            skin.is_some() || (place.moves && own.is_none()),
         ) else {
             return Ok(());
         };
@@ -194,7 +198,7 @@ impl Gathered {
                 .into_iter()
                 .map(|normal| Vec3::from(normal).normalize_or(Vec3::Y).into())
                 .collect(),
-            None => flat_normals(&positions),
+            None => MovingMesh::flat_normals(&positions),
         };
         let mut shapes = Vec::new();
         for target in primitive.morph_targets().take(MOST) {
@@ -234,6 +238,7 @@ impl Gathered {
             node: carrier,
             positions,
             normals,
+            is_flat: order.is_some(),
             held,
             shapes,
         });
@@ -259,16 +264,6 @@ fn picked<T: Copy>(all: Vec<T>, order: Option<&[u32]>) -> Vec<T> {
         Some(order) => order.iter().map(|&i| all[i as usize]).collect(),
         None => all,
     }
-}
-
-/// Of vertices that are three a triangle.
-fn flat_normals(positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut normals = vec![[0.0, 1.0, 0.0]; positions.len()];
-    for (corners, normals) in positions.chunks_exact(3).zip(normals.chunks_exact_mut(3)) {
-        let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(corners[k]));
-        normals.fill((b - a).cross(c - a).normalize_or(Vec3::Y).into());
-    }
-    normals
 }
 
 /// Four joints of each vertex, and their shares.

@@ -87,7 +87,8 @@ pub(super) fn read_primitive(
     if let Some(fault) = mesh.fault(scene.materials.len()) {
         return Err(source.content(fault));
     }
-    let order = place(&mut mesh, normals, world);
+    // The node's own place says which side is outside, also of what joints hold (glTF 2.0, 3.7.4).
+    let order = place(&mut mesh, normals, world, handedness(pose.world));
     match mesh.fault(scene.materials.len()) {
         Some(fault) => Err(source.content(fault)),
         None => Ok(Some((mesh, order))),
@@ -124,18 +125,29 @@ fn triangles(mode: Mode, order: &[u32]) -> Vec<u32> {
     }
 }
 
+/// −1 of a place that mirrors, else 1.
+fn handedness(place: Mat4) -> f32 {
+    if Mat3::from_mat4(place).determinant() < 0.0 {
+        -1.0
+    } else {
+        1.0
+    }
+}
+
 /// Moves a mesh into the world and gives it unit normals: the file's, or flat ones, for which each triangle
-/// has vertices of its own; then returns which each was.
-fn place(mesh: &mut SceneMesh, normals: Option<Vec<[f32; 3]>>, world: Mat4) -> Option<Vec<u32>> {
+/// has vertices of its own; then returns which each was. Triangles go round the other way where `winding`
+/// is −1.
+fn place(
+    mesh: &mut SceneMesh,
+    normals: Option<Vec<[f32; 3]>>,
+    world: Mat4,
+    winding: f32,
+) -> Option<Vec<u32>> {
     for position in &mut mesh.positions {
         *position = world.transform_point3((*position).into()).into();
     }
     let linear = Mat3::from_mat4(world);
-    let side = if linear.determinant() < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
+    let side = handedness(world);
     let normals = normals.filter(|n| n.len() == mesh.positions.len());
     let order = normals.is_none().then(|| flatten(mesh));
     // The cofactor matrix is the inverse transpose up to scale, and exists for flat scales too.
@@ -153,7 +165,7 @@ fn place(mesh: &mut SceneMesh, normals: Option<Vec<[f32; 3]>>, world: Mat4) -> O
     // Where the file has none, or zeros, or what is no number, they are their triangle's own.
     for t in mesh.indices.chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(mesh.positions[t[k] as usize]));
-        let own = (side * (b - a).cross(c - a)).normalize_or(Vec3::Y);
+        let own = (winding * (b - a).cross(c - a)).normalize_or(Vec3::Y);
         for &i in t {
             if mesh.normals[i as usize] == [0.0; 3] {
                 mesh.normals[i as usize] = own.into();
@@ -162,7 +174,7 @@ fn place(mesh: &mut SceneMesh, normals: Option<Vec<[f32; 3]>>, world: Mat4) -> O
     }
     let unused = |n: &mut [f32; 3]| *n = if *n == [0.0; 3] { [0.0, 1.0, 0.0] } else { *n };
     mesh.normals.iter_mut().for_each(unused);
-    if side < 0.0 {
+    if winding < 0.0 {
         mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
     }
     order
