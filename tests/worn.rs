@@ -5,6 +5,8 @@ use crate::stage::{alone, mean};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Hdr, RenderTarget, Viewport};
 use bevy::math::UVec2;
+use bevy::mesh::VertexAttributeValues;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::pbr::DistanceFog;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
@@ -408,15 +410,53 @@ fn board(world: &mut World, place: Transform) -> Entity {
         .id()
 }
 
-/// What was seen of a thing sharply rides with it, and where it stood nothing is left of it.
+/// The same, held by a joint, which is what moves.
+fn bent_board(world: &mut World, place: Transform) -> Entity {
+    let board = board(world, Transform::IDENTITY);
+    let joint = world.spawn(place).id();
+    let mesh = world.get::<Mesh3d>(board).expect("a mesh").0.clone();
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let mut mesh = meshes.get_mut(&mesh).expect("a board");
+    let count = mesh.count_vertices();
+    let joints = VertexAttributeValues::Uint16x4(vec![[0; 4]; count]);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
+    let weights = vec![[1.0f32, 0.0, 0.0, 0.0]; count];
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
+    mesh.generate_skinned_mesh_bounds()
+        .expect("a joint holds it");
+    drop(mesh);
+    let inverse_bindposes = world
+        .resource_mut::<Assets<SkinnedMeshInverseBindposes>>()
+        .add(vec![Mat4::IDENTITY]);
+    let joints = vec![joint];
+    world.entity_mut(board).insert((
+        SkinnedMesh {
+            inverse_bindposes,
+            joints,
+        },
+        bevy::camera::visibility::NoFrustumCulling,
+    ));
+    joint
+}
+
 #[test]
 fn what_moves_takes_its_sharpness_along() {
+    sharpness_rides(board);
+}
+
+#[test]
+fn what_a_joint_moves_takes_its_sharpness_along() {
+    sharpness_rides(bent_board);
+}
+
+/// What was seen of a thing sharply rides with it, and where it stood nothing is left of it.
+fn sharpness_rides(make: fn(&mut World, Transform) -> Entity) {
     let _alone = alone();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let (_, image) = worn(&mut headless, ann, target_image(UVec2::splat(256)), None);
     let place = |x: f32| Transform::from_xyz(x, 0.0, -0.25);
-    let thing = board(headless.world(), place(-0.05));
+    let thing = make(headless.world(), place(-0.05));
     let world = headless.world();
     world.get_mut::<PupilControl>(ann).expect("pupils").fixed_mm = Some(7.0);
     let gaze = |headless: &mut Headless, azimuth_deg: f64, distance_m: f64| {
@@ -468,7 +508,7 @@ fn what_moves_takes_its_sharpness_along() {
     go(&mut headless, thing, 0.0505);
     let again = contrast(&shown(&mut headless), right, 28);
     // Another one comes where it stood: it has not been seen yet.
-    board(headless.world(), place(-0.05));
+    make(headless.world(), place(-0.05));
     let unseen = contrast(&shown(&mut headless), left, 28);
     println!("{remembered:.1} remembered, {moved:.1} moved, {again:.1} again, {unseen:.1} unseen");
     assert!(remembered > 10.0 && unseen < 0.5 * remembered);

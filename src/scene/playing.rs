@@ -94,6 +94,8 @@ impl Rig {
             let joints = VertexAttributeValues::Uint16x4(held.joints.clone());
             mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
             mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, held.weights.clone());
+            // What each joint holds keeps its sharpness as it moves; of a mesh that none holds there is nothing.
+            let _ = mesh.generate_skinned_mesh_bounds();
         }
         if self.is_remade(moving) {
             mesh.asset_usage = RenderAssetUsages::default();

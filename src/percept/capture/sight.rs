@@ -12,8 +12,9 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Exposure};
 use bevy::light::{EnvironmentMapLight, GlobalAmbientLight, Skybox};
+use bevy::math::Affine3A;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
-use bevy::mesh::skinning::SkinnedMesh;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::pbr::DistanceFog;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
@@ -170,6 +171,58 @@ type Placed<'a> = (
     Has<EyePart>,
 );
 
+/// Where joints are, and what they hold of meshes.
+#[derive(bevy::ecs::system::SystemParam)]
+pub(in crate::percept) struct Skeletons<'w, 's> {
+    joints: Query<'w, 's, Ref<'static, GlobalTransform>>,
+    meshes: Res<'w, Assets<Mesh>>,
+    binds: Res<'w, Assets<SkinnedMeshInverseBindposes>>,
+}
+
+impl Skeletons<'_, '_> {
+    fn have_moved(&self, skin: &SkinnedMesh) -> bool {
+        let has_moved = |joint: &Entity| {
+            self.joints
+                .get(*joint)
+                .is_ok_and(|place| place.is_changed())
+        };
+        skin.joints.iter().any(has_moved)
+    }
+
+    /// Takes in where the limbs of a mesh are, as far as they have moved or are not known yet.
+    fn place_limbs(
+        &self,
+        (entity, mesh, skin, layers): (Entity, &Mesh3d, &SkinnedMesh, Option<&RenderLayers>),
+        movers: &mut Movers,
+    ) {
+        let (Some(mesh), Some(binds)) = (
+            self.meshes.get(&mesh.0),
+            self.binds.get(&skin.inverse_bindposes),
+        ) else {
+            return;
+        };
+        for (index, held) in mesh
+            .skinned_mesh_bounds()
+            .into_iter()
+            .flat_map(|bounds| bounds.iter())
+        {
+            let at = usize::from(index.0);
+            let part = (entity, Some(index.0));
+            let (Some(joint), Some(bind)) = (skin.joints.get(at), binds.get(at)) else {
+                continue;
+            };
+            let Ok(place) = self.joints.get(*joint) else {
+                continue;
+            };
+            if place.is_changed() || !movers.knows(part) {
+                let place = place.affine() * Affine3A::from_mat4(*bind);
+                let shape = Some((held.center, held.half_size));
+                movers.place(part, &place.into(), shape, layers);
+            }
+        }
+    }
+}
+
 /// Notices what has changed since the last frame.
 #[expect(
     clippy::too_many_arguments,
@@ -179,11 +232,11 @@ pub(in crate::percept) fn notice(
     mut changes: ResMut<SceneChanges>,
     altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
     unaltered: Query<(Entity, Option<&RenderLayers>), Seen>,
-    skinned: Query<(&SkinnedMesh, Option<&RenderLayers>)>,
+    skinned: Query<(Entity, &Mesh3d, &SkinnedMesh, Option<&RenderLayers>)>,
+    skeletons: Skeletons,
     morphed: Query<(Ref<MeshMorphWeights>, Option<&RenderLayers>)>,
     weights: Query<(), Changed<MorphWeights>>,
     eyes: Query<Option<&RenderLayers>, (With<EyeModel>, Changed<EyeParts>)>,
-    moved: Query<(), Changed<GlobalTransform>>,
     placed: Query<Placed, Movable>,
     ambient: Option<Res<GlobalAmbientLight>>,
     drawn: Query<Drawn>,
@@ -199,7 +252,7 @@ pub(in crate::percept) fn notice(
             continue;
         }
         let shape = shape.map(|shape| (shape.center.into(), shape.half_extents.into()));
-        changes.movers.place(entity, place, shape, layers);
+        changes.movers.place((entity, None), place, shape, layers);
     }
     // What has lost its layers is on the usual one now.
     let bare: Vec<_> = gone.layers.read().collect();
@@ -224,10 +277,11 @@ pub(in crate::percept) fn notice(
             changes.add(Some(&layers));
         }
     }
-    for (skin, layers) in &skinned {
-        if skin.joints.iter().any(|joint| moved.contains(*joint)) {
+    for (entity, mesh, skin, layers) in &skinned {
+        if skeletons.have_moved(skin) {
             changes.add(layers);
         }
+        skeletons.place_limbs((entity, mesh, skin, layers), &mut changes.movers);
     }
     changes.morphed = None;
     for (morph, layers) in &morphed {

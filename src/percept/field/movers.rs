@@ -3,8 +3,9 @@
 //! Enters: places of meshes, and their boxes. Leaves: those that have moved, for the pass that finds each
 //! pixel's voxel. What was seen of such a thing is kept in the frame in which it stood before it ever
 //! moved, under its own name: its sharpness rides with it, and where it stood nothing is left for what
-//! comes there next. A point belongs to the smallest box that it lies in. What bends a mesh within its
-//! place, joints and morphs, moves nothing here: what is seen of it stays where it was seen.
+//! comes there next. A point belongs to the smallest box that it lies in. A mesh that joints bend is as many
+//! things as it has joints, each with the box of what that joint holds. What gives a mesh another shape,
+//! morphs, moves nothing here: what is seen of it stays where it was seen.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::{DAffine3, DVec3};
@@ -13,8 +14,11 @@ use bevy::prelude::*;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// Things that are kept track of; of more, those that moved last.
-const MOST: usize = 32;
+/// A thing that may move: a mesh, or what one of its joints holds.
+pub(in crate::percept) type Part = (Entity, Option<u16>);
+
+/// Things that are kept track of; of more, those that moved last. Enough for a skeleton.
+const MOST: usize = 96;
 /// Frames after which what has stood still makes room for what moves.
 const STILL_FRAMES: u64 = 60;
 /// What a box is wider than its mesh, m: depth is not exact, and a sheet has no thickness.
@@ -23,7 +27,7 @@ const MARGIN_M: f64 = 0.003;
 /// A mesh that has moved.
 #[derive(Clone, Debug)]
 pub(in crate::percept) struct Mover {
-    entity: Entity,
+    part: Part,
     /// From 1, never used again.
     name: u32,
     layers: RenderLayers,
@@ -60,7 +64,7 @@ impl MoverData {
 #[derive(Debug, Default)]
 pub(in crate::percept) struct Movers {
     list: Vec<Mover>,
-    places: HashMap<Entity, DAffine3>,
+    places: HashMap<Part, DAffine3>,
     frame: u64,
     named: u32,
 }
@@ -96,21 +100,26 @@ impl Movers {
     pub(in crate::percept) fn only_turns(&self, entity: Entity, place: &GlobalTransform) -> bool {
         let now = affine(place).translation;
         self.places
-            .get(&entity)
+            .get(&(entity, None))
             .is_some_and(|before| before.translation == now)
     }
 
-    /// Takes in where a mesh is, and middle and half size of its box in its own frame, if that is known
+    /// Is it known where it is?
+    pub(in crate::percept) fn knows(&self, part: Part) -> bool {
+        self.places.contains_key(&part)
+    }
+
+    /// Takes in where a part is, and middle and half size of its box in its own frame, if that is known
     /// yet.
     pub(in crate::percept) fn place(
         &mut self,
-        entity: Entity,
+        part: Part,
         place: &GlobalTransform,
         shape: Option<(Vec3, Vec3)>,
         layers: Option<&RenderLayers>,
     ) {
         let now = affine(place);
-        let Some(before) = self.places.insert(entity, now).filter(|old| *old != now) else {
+        let Some(before) = self.places.insert(part, now).filter(|old| *old != now) else {
             return;
         };
         // Of what is flattened to nothing no point can be found again.
@@ -118,7 +127,7 @@ impl Movers {
             return;
         }
         let frame = self.frame;
-        if let Some(mover) = self.list.iter_mut().find(|mover| mover.entity == entity) {
+        if let Some(mover) = self.list.iter_mut().find(|mover| mover.part == part) {
             mover.now = now;
             mover.moved_at = frame;
             return;
@@ -138,7 +147,7 @@ impl Movers {
         }
         self.named += 1;
         self.list.push(Mover {
-            entity,
+            part,
             name: self.named,
             layers: layers.cloned().unwrap_or_default(),
             center: center.as_dvec3(),
@@ -156,8 +165,8 @@ impl Movers {
 
     /// It is no more.
     pub(in crate::percept) fn forget(&mut self, entity: Entity) {
-        self.places.remove(&entity);
-        self.list.retain(|mover| mover.entity != entity);
+        self.places.retain(|part, _| part.0 != entity);
+        self.list.retain(|mover| mover.part.0 != entity);
     }
 
     /// Those that a camera of these layers may see, for a memory with this origin (m); `knows` says of
@@ -234,12 +243,12 @@ mod tests {
             .with_scale(Vec3::splat(0.4))
             .with_rotation(Quat::from_rotation_y(0.7));
         movers.begin();
-        movers.place(entity, &rest.into(), unit, None);
+        movers.place((entity, None), &rest.into(), unit, None);
         let origin = Vec3::new(0.3, 0.4, 0.5);
         assert!(movers.seen_by(None, origin, |_| false).here.is_empty());
         for _ in 0..2 {
             movers.begin();
-            movers.place(entity, &now.into(), unit, None);
+            movers.place((entity, None), &now.into(), unit, None);
         }
         let moved = movers.seen_by(None, origin, |_| false);
         let found = moved.here;
@@ -276,13 +285,18 @@ mod tests {
     fn of_many_those_are_kept_that_move_the_smallest_first() {
         let mut movers = Movers::default();
         let mut world = World::new();
-        let things: Vec<Entity> = (0..40).map(|_| world.spawn_empty().id()).collect();
+        let things: Vec<Entity> = (0..MOST + 8).map(|_| world.spawn_empty().id()).collect();
         let step = |movers: &mut Movers, things: &[Entity], x: f32| {
             movers.begin();
             for (k, thing) in things.iter().enumerate() {
                 let half = Vec3::splat(1.0 + k as f32 % 7.0);
                 let place = Transform::from_xyz(x, 0.0, k as f32);
-                movers.place(*thing, &place.into(), Some((Vec3::ZERO, half)), None);
+                movers.place(
+                    (*thing, None),
+                    &place.into(),
+                    Some((Vec3::ZERO, half)),
+                    None,
+                );
             }
         };
         let names = |movers: &Movers| {
@@ -296,19 +310,25 @@ mod tests {
         for x in 0..9 {
             step(&mut movers, &things, x as f32);
         }
-        assert_eq!(names(&movers), (1..=32).collect::<Vec<u32>>());
+        assert_eq!(names(&movers), (1..=MOST as u32).collect::<Vec<u32>>());
         // A second later only the last ones do: they take the places of what stands still.
         for x in 0..70 {
-            step(&mut movers, &things[32..], 100.0 + x as f32);
+            step(&mut movers, &things[MOST..], 100.0 + x as f32);
         }
         let found = names(&movers);
         assert_eq!(found.len(), MOST);
-        assert_eq!(found[24..], (33..=40).collect::<Vec<u32>>());
+        let last = MOST as u32 + 1..=MOST as u32 + 8;
+        assert_eq!(found[MOST - 8..], last.collect::<Vec<u32>>());
         // Flat or without end, it is left alone and nothing breaks.
         for scale in [Vec3::new(0.0, 1.0, 1.0), Vec3::splat(f32::NAN)] {
             let place = Transform::from_scale(scale);
             for thing in &things {
-                movers.place(*thing, &place.into(), Some((Vec3::ZERO, Vec3::ONE)), None);
+                movers.place(
+                    (*thing, None),
+                    &place.into(),
+                    Some((Vec3::ZERO, Vec3::ONE)),
+                    None,
+                );
             }
         }
         let found = movers.seen_by(None, Vec3::ZERO, |_| false).here;
