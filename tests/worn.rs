@@ -173,7 +173,7 @@ fn of_somebody_who_is_gone_nothing_is_seen_and_nothing_stays() {
         let children = headless.world().get::<Children>(model);
         children.map_or(0, |children| children.len())
     };
-    assert_eq!(parts(&mut headless, model), 6);
+    assert_eq!(parts(&mut headless, model), 7);
     // One is no eye any more.
     headless.world().entity_mut(other).remove::<EyeModel>();
     frames(&mut headless, 2);

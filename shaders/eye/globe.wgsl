@@ -38,6 +38,8 @@ struct Globe {
     relief: f32,
     // What makes its clouds those of this eye, rad.
     lens_turn: f32,
+    // Colour of what is thick and bloody of the conjunctiva.
+    flesh: vec3<f32>,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
@@ -79,13 +81,21 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
-    let direction = normalize(in.position - in.camera);
+    var camera = in.camera;
     var p = in.position;
     var normal = normalize(in.normal);
+#ifdef CONJUNCTIVA
+    // It stands in the head, and is seen as the white that it covers is.
+    let eye_from_head = transpose(head_from_eye());
+    camera = eye_from_head * camera;
+    p = eye_from_head * p;
+    normal = eye_from_head * normal;
+#endif
+    let direction = normalize(p - camera);
     var corneal = 0.0;
 #ifdef CORNEA
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
-    let origin = in.camera - apex;
+    let origin = camera - apex;
     let t = conicoid_intersect(origin, direction, globe.anterior.x, globe.anterior.y);
     if t > 0.0 {
         let hit = origin + t * direction;
@@ -95,11 +105,19 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior.x, globe.anterior.y), corneal);
     }
 #endif
-    let shade = lid_shade(globe.lids, head_from_eye() * p);
-    let footprint = footprint_at(distance(p, in.camera));
+    var shade = lid_shade(globe.lids, head_from_eye() * p);
+#ifdef CONJUNCTIVA
+    // Towards the corner it rises to the margins, and no lid hangs over it.
+    shade.sky = mix(shade.sky, in.tissue.a, in.tissue.b);
+    shade.key = mix(shade.key, in.tissue.a, in.tissue.b);
+#endif
+    let footprint = footprint_at(distance(p, camera));
     let sclera = sclera_shade(sclera_map, sclera_sampler, p, normal, footprint, globe.sclera_radius_mm, globe.studio, head_from_eye(), shade);
     var diffuse = sclera.diffuse;
     var wet_normal = sclera.normal;
+#ifdef CONJUNCTIVA
+    diffuse *= conjunctiva_filter(globe.flesh, in.tissue.b);
+#endif
 #ifdef CORNEA
     diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * limbus_tint(corneal);
     wet_normal = normalize(mix(sclera.normal, normal, corneal));

@@ -42,6 +42,15 @@ fn sclera_lid_bounce(shade: LidShade) -> vec3f {
     return mix(vec3f(1.0), vec3f(1.05, 0.86, 0.80), near_lid * 0.8);
 }
 
+// Mean albedo of the white, linear sRGB: what a thin layer of tissue is seen over.
+const SCLERA_WHITE: vec3f = vec3f(0.70, 0.59, 0.54);
+
+// What the conjunctiva leaves of the light from the white below it, by Beer and Lambert: all of it where it
+// is thin and clear (share 0), as much as makes the white look like flesh where it is thick (share 1).
+fn conjunctiva_filter(flesh: vec3f, share: f32) -> vec3f {
+    return pow(flesh / SCLERA_WHITE, vec3f(clamp(share, 0.0, 1.0)));
+}
+
 // Light and normal at a point p; `map` holds the albedo and in its last channel the height.
 fn sclera_shade(
     map: texture_2d<f32>,

@@ -19,8 +19,9 @@ pub const MENISCUS_STATIONS: usize = 65;
 /// Points across the meniscus.
 pub const MENISCUS_POINTS: usize = 5;
 
-/// How far the free edge of a corner grid dips below the globe's surface, mm.
-pub const SUNK_MM: f32 = 0.2;
+/// How far the free edge of a corner grid, a thin sheet of conjunctiva, stands off the globe, mm: it ends
+/// where nothing parts it from what covers the globe.
+pub const EDGE_MM: f32 = 0.012;
 
 /// Which corner of the eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,9 +102,9 @@ pub fn corner_grid(
             if corner == Corner::Medial {
                 off += room * (1.35 * mound(s, q) + 0.5 * ridge(s, q)) * (1.0 - rise);
             }
-            // The free edge dips under the globe's surface, so that it shows as a clean crescent.
-            off += (-SUNK_MM - off) * smoothstep(0.75, 1.0, s);
-            out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off.max(-SUNK_MM));
+            // The sheet comes down onto the globe and goes on as what covers it.
+            off += (EDGE_MM - off) * smoothstep(0.62, 0.92, s);
+            out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off.max(EDGE_MM));
         }
     }
 }

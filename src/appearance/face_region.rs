@@ -7,6 +7,8 @@
 //! fill the corners (`canthus`). Frame: globe frame, mm, right eye (mirror x for the left).
 
 use glam::Vec3;
+use std::borrow::Cow;
+use std::ops::Range;
 
 use super::canthus::{
     CORNER_COLUMNS, CORNER_ROWS, Corner, MENISCUS_POINTS, MENISCUS_STATIONS, corner_grid,
@@ -33,6 +35,9 @@ pub struct EyeRegion {
     tissue: Vec<[f32; 4]>,
     rest: Vec<[f32; 3]>,
 }
+
+/// Corners of the triangles of one corner's grid; they come last.
+const CORNER_TRIANGLE_CORNERS: usize = 6 * (CORNER_COLUMNS - 1) * (CORNER_ROWS - 1);
 
 /// A posed region. Reuse it: its buffers keep their size.
 #[derive(Clone, Debug, Default)]
@@ -95,6 +100,24 @@ impl EyeRegion {
     /// Triangles, counter-clockwise from outside.
     pub fn indices(&self) -> &[u32] {
         &self.indices
+    }
+
+    /// The vertices of the skin, and its triangles.
+    pub fn skin_part(&self) -> (Range<usize>, Cow<'_, [u32]>) {
+        let end = self.indices.len() - 2 * CORNER_TRIANGLE_CORNERS;
+        (
+            0..self.corner_start(Corner::Medial),
+            (&self.indices[..end]).into(),
+        )
+    }
+
+    /// The vertices of plica, caruncle and outer corner, and their triangles, counted from the first of them.
+    pub fn conjunctiva_part(&self) -> (Range<usize>, Cow<'_, [u32]>) {
+        let vertices = self.corner_start(Corner::Medial)..self.vertex_count();
+        let first = vertices.start as u32;
+        let own = &self.indices[self.indices.len() - 2 * CORNER_TRIANGLE_CORNERS..];
+        let counted: Vec<u32> = own.iter().map(|index| index - first).collect();
+        (vertices, counted.into())
     }
 
     /// Triangles of the tear meniscus.
@@ -205,7 +228,7 @@ impl EyeRegion {
             for r in 0..CORNER_ROWS {
                 for c in 0..CORNER_COLUMNS {
                     let [caruncle, red] = corner_tissue(corner, c, r);
-                    out.push([1.0, 0.0, caruncle.max(0.6 * red), 0.0]);
+                    out.push([1.0, 0.0, caruncle.max(0.9 * red), 0.0]);
                 }
             }
         }

@@ -140,6 +140,8 @@ pub struct GlobeUniform {
     pub relief: f32,
     /// What makes the clouds of a lens those of this eye, rad.
     pub lens_turn: f32,
+    /// Colour of what is thick and bloody of the conjunctiva.
+    pub flesh: Vec3,
 }
 
 /// Which part of the globe a material draws: the part is a pipeline of its own, because a sclera
@@ -151,6 +153,8 @@ pub enum GlobePart {
     Sclera,
     /// Cornea, iris and pupil, and the limbus itself.
     Cornea,
+    /// Plica, caruncle and what joins the lids at the outer corner: it does not turn with the globe.
+    Conjunctiva,
 }
 
 /// Pipeline key of a [`GlobeMaterial`].
@@ -315,6 +319,7 @@ macro_rules! eye_material {
 eye_material!(GlobeMaterial, shaders::GLOBE, AlphaMode::Mask(0.0), |key| {
     match key.bind_group_data {
         GlobeKey(GlobePart::Sclera, _) => vec![],
+        GlobeKey(GlobePart::Conjunctiva, _) => vec!["CONJUNCTIVA"],
         GlobeKey(GlobePart::Cornea, false) => vec!["CORNEA"],
         GlobeKey(GlobePart::Cornea, true) => vec!["CORNEA", "CLOUDED"],
     }
@@ -443,7 +448,8 @@ mod tests {
             capsule_radius_mm = 9.0,
             capsule = Vec3::splat(9.0),
             relief = 9.0,
-            lens_turn = 9.0
+            lens_turn = 9.0,
+            flesh = Vec3::splat(9.0)
         );
         same!(
             SkinUniform,

@@ -15,7 +15,7 @@ use super::materials::{
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::tissue_maps::{
-    iris_image, light_image, light_settings, reflectance_image, sclera_image, skin_albedo,
+    flesh, iris_image, light_image, light_settings, reflectance_image, sclera_image, skin_albedo,
     skin_image, static_uniform,
 };
 use crate::anatomy::{
@@ -122,6 +122,8 @@ pub struct EyeParts {
     pub(super) skin: Handle<Mesh>,
     #[reflect(ignore)]
     pub(super) skin_material: Handle<SkinMaterial>,
+    #[reflect(ignore)]
+    pub(super) conjunctiva_mesh: Handle<Mesh>,
     #[reflect(ignore)]
     pub(super) lash_mesh: Handle<Mesh>,
     #[reflect(ignore)]
@@ -348,8 +350,8 @@ impl Builder<'_, '_, '_, '_> {
     }
 
     /// A part of the head: it does not turn, and its mesh is filled as the lids move.
-    fn add(&mut self, mesh: Handle<Mesh>, material: impl Bundle) {
-        self.commands.spawn((
+    fn add(&mut self, mesh: Handle<Mesh>, material: impl Bundle) -> Entity {
+        let part = self.commands.spawn((
             EyePart,
             ChildOf(self.model),
             Mesh3d(mesh),
@@ -360,6 +362,7 @@ impl Builder<'_, '_, '_, '_> {
             Transform::from_scale(Vec3::splat(METRES_A_MM)),
             self.layers.clone(),
         ));
+        part.id()
     }
 
     fn globe(
@@ -419,6 +422,21 @@ impl Builder<'_, '_, '_, '_> {
             ));
             parts.globe.push((entity.id(), material));
         }
+        let material = self.assets.globes.add(GlobeMaterial {
+            part: GlobePart::Conjunctiva,
+            clouded: false,
+            globe: uniform,
+            iris_map,
+            sclera_map,
+            reflectance_map,
+            light_table,
+        });
+        parts.conjunctiva_mesh = self.assets.meshes.add(empty_mesh());
+        let entity = self.add(
+            parts.conjunctiva_mesh.clone(),
+            MeshMaterial3d(material.clone()),
+        );
+        parts.globe.push((entity, material));
     }
 
     fn skin(&mut self, anatomy: &Anatomy<'_>, studio: Studio, seed: u64, parts: &mut EyeParts) {
@@ -428,7 +446,7 @@ impl Builder<'_, '_, '_, '_> {
                 studio,
                 albedo,
                 roughness: 0.42,
-                flesh: Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * albedo.x),
+                flesh: flesh(anatomy.skin),
                 pores: 1.0,
                 globe_radius_mm: anatomy.eye.scleral_radius_mm as f32,
             },

@@ -41,15 +41,14 @@ pub fn move_eyes(
         parts.pupil_radius_mm = radius;
         let nasal = -side(eye.laterality);
         for (entity, material) in &parts.globe {
-            let is_sclera = assets
-                .globes
-                .get(material)
-                .is_some_and(|material| material.part == GlobePart::Sclera);
+            let part = assets.globes.get(material).map(|material| material.part);
             // No pupil is seen through a sclera.
-            if is_sclera && !turned {
+            if part != Some(GlobePart::Cornea) && !turned {
                 continue;
             }
-            if let Ok(mut transform) = transforms.get_mut(*entity) {
+            if part != Some(GlobePart::Conjunctiva)
+                && let Ok(mut transform) = transforms.get_mut(*entity)
+            {
                 *transform =
                     Transform::from_rotation(rotation).with_scale(Vec3::splat(METRES_A_MM));
             }
@@ -142,19 +141,29 @@ pub fn move_lids(
         parts.lids = lid_heights(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 
         let mut vertices = parts.posed.positions.len();
-        if let Some(mut mesh) = assets.meshes.get_mut(&parts.skin) {
+        for (handle, (part, indices)) in [
+            (&parts.skin, region.skin_part()),
+            (&parts.conjunctiva_mesh, region.conjunctiva_part()),
+        ] {
+            let Some(mut mesh) = assets.meshes.get_mut(handle) else {
+                continue;
+            };
             // What lies in the fold or under the lid changes with the pose, so it rides in the weights.
-            let tissue = region.tissue().iter().zip(&parts.posed.light);
+            let tissue = region.tissue()[part.clone()]
+                .iter()
+                .zip(&parts.posed.light[part.clone()]);
             let tissue =
                 tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], *light]);
-            let rest = region.rest().iter().map(|p| [p[0], p[1], p[2], 1.0]);
+            let rest = region.rest()[part.clone()]
+                .iter()
+                .map(|p| [p[0], p[1], p[2], 1.0]);
             fill_mesh(
                 &mut mesh,
-                &parts.posed.positions,
-                &parts.posed.normals,
+                &parts.posed.positions[part.clone()],
+                &parts.posed.normals[part],
                 tissue.collect(),
                 || rest.collect(),
-                region.indices(),
+                &indices,
                 mirror,
             );
         }

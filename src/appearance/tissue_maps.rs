@@ -6,7 +6,7 @@ use super::light_table::{LightTableSettings, LightTableSize};
 use super::materials::{GlobeUniform, LidHeights, Studio};
 use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
-use crate::anatomy::{Cornea, Iris};
+use crate::anatomy::{Cornea, Iris, Skin};
 use crate::frame::mips::chain;
 use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
@@ -65,6 +65,10 @@ pub(super) fn skin_image(seed: u64) -> Image {
         sampler.address_mode_v = bevy::image::ImageAddressMode::Repeat;
     }
     image
+}
+/// Colour of wet flesh, linear sRGB: paler in those of light skin.
+pub(super) fn flesh(skin: &Skin) -> Vec3 {
+    Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * skin_albedo(skin.tone).x)
 }
 /// What the light table of this cornea and iris is made of.
 pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
@@ -130,6 +134,7 @@ pub(super) fn static_uniform(
         sclera_radius_mm: eye.scleral_radius_mm as f32,
         lipid_nm: cornea.lipid_thickness_nm as f32,
         relief: 1.0,
+        flesh: flesh(anatomy.skin),
         lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
         // The lens is filled in by its media, the pupil's place by who moves it.
         ..GlobeUniform::default()

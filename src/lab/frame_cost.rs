@@ -37,8 +37,8 @@ const TURNING_DEG: f64 = 0.2;
 const PLACES: usize = 600;
 /// Frames in which everybody looks elsewhere at least once.
 const MOVING_FRAMES: usize = 120;
-/// Parts of an eye that are drawn: two of the globe, skin, lashes, brow and tears.
-const EYE_PARTS: usize = 6;
+/// Parts of an eye that are drawn: two of the globe, conjunctiva, skin, lashes, brow and tears.
+const EYE_PARTS: usize = 7;
 /// A layer on which nothing else is.
 const PLAIN_LAYER: usize = 29;
 /// Frames of a sixtieth of a second between two commands to look elsewhere: a saccade begins 0.2 s

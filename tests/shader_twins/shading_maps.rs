@@ -56,6 +56,26 @@ fn sclera() {
         0,
         1e-2,
     );
+    pass_unless_off(
+        &Twin {
+            name: "conjunctiva_filter",
+            library: &["sclera_shade"],
+            call: "let c = conjunctiva_filter(vec3f(x[0], x[1], x[2]), x[3]); y[0] = c.x; y[1] = c.y; y[2] = c.z;",
+            draw: &|rng| {
+                let mut x: Vec<f32> = (0..3).map(|_| between(rng, 0.01, 0.9)).collect();
+                x.push(between(rng, -0.2, 1.2));
+                x
+            },
+            exact: &|x| rgb(sclera_shade::conjunctiva_filter(v3(x), x[3])),
+            absolute: 0.0,
+            // A power is an exponential of a logarithm: 4 roundings of a logarithm of up to 6.5 (WGSL 15.7.4).
+            relative: 1e-5,
+            steep_share: 0.0,
+        },
+        &[],
+        3,
+        1e-2,
+    );
     let call = format!(
         "let s = Studio({}); let turn = mat3x3f(x[24], x[25], x[26], x[27], x[28], x[29], x[30], x[31], x[32]); \
          let r = sclera_shade(sclera_map, sclera_map_sampler, vec3f(x[33], x[34], x[35]), vec3f(x[36], x[37], x[38]), \

@@ -55,6 +55,15 @@ pub fn sclera_lid_bounce(shade: &LidShade) -> DVec3 {
     DVec3::ONE.lerp(DVec3::new(1.05, 0.86, 0.80), near_lid * 0.8)
 }
 
+/// Mean albedo of the white, linear sRGB: what a thin layer of tissue is seen over.
+pub const SCLERA_WHITE: DVec3 = DVec3::new(0.70, 0.59, 0.54);
+
+/// What the conjunctiva leaves of the light from the white below it, by Beer and Lambert: all of it where it
+/// is thin and clear (`share` 0), as much as makes the white look like flesh where it is thick (`share` 1).
+pub fn conjunctiva_filter(flesh: DVec3, share: f64) -> DVec3 {
+    (flesh / SCLERA_WHITE).powf(share.clamp(0.0, 1.0))
+}
+
 /// Light and normal at a point `p`; `map` holds the albedo and in its last channel the height.
 #[expect(clippy::too_many_arguments, reason = "the shader's own arguments")]
 pub fn sclera_shade(
