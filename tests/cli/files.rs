@@ -427,35 +427,21 @@ fn a_film_of_somebody_elses_is_shown_and_not_overwritten() {
     }
     let before = fs::read(film.join("frame_00000.png")).expect("read");
     let film = film.display().to_string();
-    let render = [
-        "render",
-        "--scene",
-        &film,
-        "--panel",
-        "view",
-        "--size",
-        "32x24",
-        "--seconds",
-        "0.1",
-    ];
+    let render = |scene: &str, rest: &[&str]| -> Vec<String> {
+        let small = ["--panel", "view", "--size", "32x24", "--seconds", "0.1"];
+        let all = [&["render", "--scene", scene][..], &small, rest].concat();
+        all.into_iter().map(str::to_owned).collect()
+    };
+    fn as_texts(all: &[String]) -> Vec<&str> {
+        all.iter().map(String::as_str).collect()
+    }
     refused(
-        &[&render[..], &["--out", &film]].concat(),
+        &as_texts(&render(&film, &["--out", &film])),
         &["film", "the folder of the scene"],
     );
     // Nor by another run.
-    let other = [
-        "render",
-        "--scene",
-        "chart",
-        "--panel",
-        "view",
-        "--size",
-        "32x24",
-        "--seconds",
-        "0.1",
-    ];
     refused(
-        &[&other[..], &["--out", &film]].concat(),
+        &as_texts(&render("chart", &["--out", &film])),
         &["frame_00000.png", "no report"],
     );
     assert_eq!(
@@ -466,10 +452,13 @@ fn a_film_of_somebody_elses_is_shown_and_not_overwritten() {
     let out = folder.path().join("out").display().to_string();
     let _alone = alone();
     for _ in 0..2 {
-        succeeds(&[&render[..], &["--scene-fps", "30", "--out", &out]].concat());
+        succeeds(&as_texts(&render(
+            &film,
+            &["--scene-fps", "30", "--out", &out],
+        )));
     }
     misused(
-        &[&render[..], &["--scene-fps", "0", "--out", &out]].concat(),
+        &as_texts(&render(&film, &["--scene-fps", "0", "--out", &out])),
         "0.1 to 240",
     );
     let still = data("page.png");

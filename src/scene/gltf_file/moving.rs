@@ -66,12 +66,13 @@ impl Gathered {
             if let Some(skin) = place.node.skin()
                 // Shapes may move where joints rest.
                 && (place.moves || skin.joints().any(|joint| is_moved(&joint)))
-                && skins.iter().all(|known| known.index() != skin.index())
             {
-                // A mesh's own node has the weights of its shapes.
+                // A mesh's own node has the weights of its shapes; a skin may hold the meshes of several.
                 need(place.node.index());
-                skin.joints().for_each(|joint| need(joint.index()));
-                skins.push(skin);
+                if skins.iter().all(|known| known.index() != skin.index()) {
+                    skin.joints().for_each(|joint| need(joint.index()));
+                    skins.push(skin);
+                }
             }
         }
         let mut gathered = Self {

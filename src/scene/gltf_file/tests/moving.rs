@@ -131,3 +131,62 @@ fn key_frames_that_make_no_course_are_not_played_and_said() {
             .is_some()
     );
 }
+
+#[test]
+fn a_skin_moves_every_mesh_that_it_holds() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gltf");
+    let text = std::fs::read_to_string(folder.join("skin_a.gltf")).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    let held = nodes
+        .iter()
+        .find(|node| node.get("skin").is_some())
+        .unwrap()
+        .clone();
+    nodes.push(held);
+    let second = nodes.len() - 1;
+    json["scenes"][0]["nodes"]
+        .as_array_mut()
+        .unwrap()
+        .push(second.into());
+    let joint = json["skins"][0]["joints"][0].clone();
+    // Times 0 and 1, and two places.
+    let numbers = floats(&[0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let buffer = json["buffers"].as_array().unwrap().len();
+    let views = json["bufferViews"].as_array().unwrap().len();
+    let accessors = json["accessors"].as_array().unwrap().len();
+    let mut push =
+        |list: &str, value: serde_json::Value| json[list].as_array_mut().unwrap().push(value);
+    push(
+        "buffers",
+        serde_json::json!({"uri": "moves.bin", "byteLength": 32}),
+    );
+    push(
+        "bufferViews",
+        serde_json::json!({"buffer": buffer, "byteLength": 8}),
+    );
+    push(
+        "bufferViews",
+        serde_json::json!({"buffer": buffer, "byteOffset": 8, "byteLength": 24}),
+    );
+    push(
+        "accessors",
+        serde_json::json!({"bufferView": views, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]}),
+    );
+    push(
+        "accessors",
+        serde_json::json!({"bufferView": views + 1, "componentType": 5126, "count": 2, "type": "VEC3"}),
+    );
+    json["animations"] = serde_json::json!([{
+        "samplers": [{"input": accessors, "output": accessors + 1}],
+        "channels": [{"sampler": 0, "target": {"node": joint, "path": "translation"}}]}]);
+    let beside = [("moves.bin".to_owned(), numbers)];
+    let text = json.to_string();
+    let scene = load_gltf_among(text.as_bytes(), "a.gltf", Beside::Files(&beside), None).unwrap();
+    let motion = scene.motion.expect("a joint moves");
+    assert_eq!(
+        (motion.skins.len(), motion.meshes.len()),
+        (1, scene.meshes.len())
+    );
+    assert!(motion.meshes.len() >= 2 && motion.meshes.iter().all(|mesh| mesh.held.is_some()));
+}
