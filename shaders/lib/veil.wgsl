@@ -1,10 +1,19 @@
 // Straylight of clouded media, from the mips of a picture. Twin: src/percept/present/veil.rs.
 
-// Share of its solid angle that a pixel at this tangent from the middle of a view keeps along one axis.
-// The product of both is (1 + x² + y²)^-1.5 but for x² y² in the bracket.
-fn solid_angle_share(tangent: f32) -> f32 {
-    let c = 1.0 / (1.0 + tangent * tangent);
-    return c * sqrt(c);
+// Stereographic place of a place in tangents from the middle of a view: 2 tan(theta/2) for tan theta.
+fn stereographic(tangents: vec2<f32>) -> vec2<f32> {
+    return 2.0 * tangents / (1.0 + sqrt(1.0 + dot(tangents, tangents)));
+}
+
+// Tangents from the middle of a view of a stereographic place within 90 degrees of it; beyond, those far
+// out in its direction.
+fn tangents_of(place: vec2<f32>) -> vec2<f32> {
+    return place / max(1.0 - 0.25 * dot(place, place), 1e-3);
+}
+
+// How much larger a stereographic place is drawn than the middle, along each axis.
+fn stereographic_scale(place: vec2<f32>) -> f32 {
+    return 1.0 + 0.25 * dot(place, place);
 }
 
 // A cubic B-spline twice as wide as a texel's: its weight for a texel at this distance, in texels. Those

@@ -18,6 +18,12 @@ const GREY_LENS: Vec3 = Vec3::new(0.012, 0.010, 0.006);
 /// Diameter of the lens's disc as it is seen in retroillumination through a wide pupil, mm: what shares of
 /// its area are shares of.
 pub const LENS_DISC_MM: f64 = 7.5;
+/// Entrance pupil through which straylight is taken to have been measured, mm (a choice: the natural pupil
+/// of an old eye before a meter's grey screen; published means say no more than "undilated").
+pub const MEASURED_PUPIL_MM: f64 = 3.5;
+/// Diameter of the beam from far away at the posterior capsule, in that of the entrance pupil: the paraxial
+/// eye of the tests.
+const CAPSULE_BEAM: f64 = 0.75;
 /// What a cloud at the posterior capsule sends back of the irradiance / π before a clear nucleus, linear
 /// sRGB (a choice: photographs show it paler than the nucleus and darker than cortex).
 const CAPSULE_CLOUD: Vec3 = Vec3::new(0.075, 0.072, 0.065);
@@ -34,8 +40,10 @@ pub struct OcularMedia {
     pub age_years: f64,
     /// Pigmentation factor of CIE 135/1-1999: 0 very dark, 0.5 brown, 1.2 light blue.
     pub pigment: f64,
-    /// Straylight parameter at 7° beyond the healthy eye's, deg² sr⁻¹.
+    /// Straylight parameter at 7° beyond the healthy eye's, deg² sr⁻¹, of what clouds the whole pupil.
     pub straylight: f64,
+    /// The same of a cloud before the posterior capsule, through the pupil of [`MEASURED_PUPIL_MM`].
+    pub subcapsular_straylight: f64,
     /// Optical density of the nucleus at 450 nm beyond the healthy lens's.
     pub nuclear_density: f64,
     /// What the nucleus sends back of the irradiance over π, at 550 nm, before its own colour.
@@ -53,6 +61,7 @@ impl OcularMedia {
             age_years,
             pigment,
             straylight: 0.0,
+            subcapsular_straylight: 0.0,
             nuclear_density: 0.0,
             nuclear_backscatter: 0.0,
             cortical_share: 0.0,
@@ -65,10 +74,40 @@ impl OcularMedia {
         *self == Self::healthy(self.age_years, self.pigment)
     }
 
-    /// Straylight parameter of the whole eye at 7°, as its decimal logarithm.
+    /// Share of the light through an entrance pupil of this diameter (mm) that meets the cloud before the
+    /// posterior capsule: that of the beam's circle there which the cloud's covers.
+    pub fn subcapsular_share(&self, entrance_pupil_mm: f64) -> f64 {
+        let beam_mm = CAPSULE_BEAM * entrance_pupil_mm;
+        let share = self.subcapsular_mm / beam_mm;
+        if self.subcapsular_mm.is_nan() || self.subcapsular_mm <= 0.0 {
+            0.0
+        } else if share > 0.0 && share < 1.0 {
+            share * share
+        } else {
+            // It covers all of the beam, or there is none.
+            1.0
+        }
+    }
+
+    /// Straylight parameter at 7° beyond the healthy eye's through an entrance pupil of this diameter (mm),
+    /// deg² sr⁻¹. A small pupil leaves light no way beside a cloud in the middle, so such an eye is
+    /// dazzled most where it is bright.
+    pub fn straylight_through(&self, entrance_pupil_mm: f64) -> f64 {
+        let measured = self.subcapsular_share(MEASURED_PUPIL_MM);
+        if measured > 0.0 && self.subcapsular_straylight > 0.0 {
+            let share = self.subcapsular_share(entrance_pupil_mm);
+            self.straylight + self.subcapsular_straylight * share / measured
+        } else {
+            self.straylight
+        }
+    }
+
+    /// Straylight parameter of the whole eye at 7°, as its decimal logarithm, as it is measured: through a
+    /// pupil of [`MEASURED_PUPIL_MM`].
     pub fn log_straylight(&self) -> f64 {
         let seven = 7f64.to_radians();
-        (Glare::new(self.age_years, self.pigment).straylight(seven) + self.straylight).log10()
+        let healthy = Glare::new(self.age_years, self.pigment).straylight(seven);
+        (healthy + self.straylight_through(MEASURED_PUPIL_MM)).log10()
     }
 
     /// Transmittance beyond the healthy lens's, for white light, linear sRGB.
@@ -139,5 +178,45 @@ mod tests {
             ..clear
         };
         assert!((clouded.log_straylight() - (10f64.powf(1.125) + 10.8).log10()).abs() < 2e-3);
+    }
+
+    #[test]
+    fn a_beam_from_far_away_is_three_quarters_as_wide_at_the_capsule() {
+        // Le Grand's eye: cornea of 42.36 D, the stop 3.6 mm behind it in 1.3374, the lens's front of
+        // 10.2 mm and 1.42, and the capsule 4 mm behind that.
+        let (cornea_d, front_d) = (42.36, (1.42 - 1.3374) / 0.0102);
+        let at_stop = 1.0 - 0.0036 * cornea_d / 1.3374;
+        let converges = cornea_d + front_d * at_stop;
+        let at_capsule = at_stop - 0.004 * converges / 1.42;
+        assert!((at_capsule - CAPSULE_BEAM).abs() < 0.01, "{at_capsule}");
+    }
+
+    #[test]
+    fn a_cloud_in_the_middle_dazzles_most_through_a_small_pupil() {
+        let clouded = OcularMedia {
+            straylight: 2.0,
+            subcapsular_straylight: 10.0,
+            subcapsular_mm: 2.0,
+            ..OcularMedia::healthy(70.0, 0.5)
+        };
+        // As measured; a beam of 2 mm and less meets nothing else; one twice as wide as that a quarter.
+        let through = |mm: f64| clouded.straylight_through(mm);
+        assert!((through(MEASURED_PUPIL_MM) - 12.0).abs() < 1e-12);
+        let whole = 2.0 + 10.0 * (CAPSULE_BEAM * MEASURED_PUPIL_MM / 2.0).powi(2);
+        assert!((through(1.0) - whole).abs() < 1e-12 && (through(2.6) - whole).abs() < 1e-12);
+        let quarter = 2.0 + 0.25 * (whole - 2.0);
+        assert!((through(4.0 / CAPSULE_BEAM) - quarter).abs() < 1e-12);
+        // Nonsense is no cloud.
+        for (mm, straylight) in [(0.0, 5.0), (f64::NAN, 5.0), (2.0, f64::NAN)] {
+            let odd = OcularMedia {
+                subcapsular_mm: mm,
+                subcapsular_straylight: straylight,
+                ..clouded
+            };
+            assert_eq!(odd.straylight_through(3.0), 2.0);
+        }
+        for pupil in [0.0, f64::NAN, f64::INFINITY, -1.0] {
+            assert!(clouded.straylight_through(pupil).is_finite(), "{pupil}");
+        }
     }
 }

@@ -131,8 +131,15 @@ impl Cataract {
     /// Straylight at 7° that it adds by its grades, deg² sr⁻¹. Scatterers add in intensity.
     pub fn straylight(&self) -> f64 {
         let [nuclear, cortical, subcapsular] = self.grades();
-        1.2 * (nuclear - 1.0).max(0.0).powi(2) + 1.2 * cortical.powi(2) + 3.0 * subcapsular.powi(2)
+        1.2 * (nuclear - 1.0).max(0.0).powi(2)
+            + 1.2 * cortical.powi(2)
+            + subcapsular_straylight(subcapsular)
     }
+}
+
+/// Straylight at 7° of a cloud of this grade through the pupil that was measured, deg² sr⁻¹.
+fn subcapsular_straylight(grade: f64) -> f64 {
+    3.0 * grade * grade
 }
 
 impl Condition for Cataract {
@@ -181,9 +188,16 @@ impl Condition for Cataract {
         let [nuclear, cortical, subcapsular] = graded.grades();
         affected.refraction.sphere_d += SHIFT_D * (nuclear - SHORT_SIGHTED_FROM).max(0.0);
         let media = &mut affected.media;
-        media.straylight += self
-            .measured(healthy)
-            .unwrap_or_else(|| graded.straylight());
+        let by_grades = graded.straylight();
+        let added = self.measured(healthy).unwrap_or(by_grades);
+        // The cloud before the capsule has the share of it that its grade has.
+        let of_cloud = if by_grades > 0.0 {
+            added * subcapsular_straylight(subcapsular) / by_grades
+        } else {
+            0.0
+        };
+        media.straylight += added - of_cloud;
+        media.subcapsular_straylight += of_cloud;
         media.nuclear_density += 0.10 * (nuclear - YELLOW_FROM).max(0.0).powf(1.5);
         if nuclear > 0.0 {
             // Over what a clear nucleus, grade 1, sends back.
@@ -286,6 +300,26 @@ mod tests {
             assert_eq!(mix.remark(&healthy), None);
             assert!(media(mix.with_log_s(f64::NAN)).straylight.is_finite());
         }
+    }
+
+    #[test]
+    fn a_cloud_before_the_capsule_dazzles_by_the_pupil_and_others_alike() {
+        let change = |cataract: Cataract| {
+            let media = media(cataract);
+            media.straylight_through(2.0) / media.straylight_through(6.0)
+        };
+        assert!(change(Cataract::posterior_subcapsular(1.5)) > 2.0);
+        assert_eq!(change(Cataract::nuclear(3.0)), 1.0);
+        assert_eq!(change(Cataract::cortical(3.0)), 1.0);
+        // A measured straylight is shared out as the grades are.
+        let measured = Cataract {
+            nuclear: 3.0,
+            subcapsular: 2.0,
+            ..Cataract::default()
+        }
+        .with_log_s(1.6);
+        let of_both = change(measured);
+        assert!(of_both > 1.05 && of_both < change(Cataract::posterior_subcapsular(2.0)));
     }
 
     #[test]

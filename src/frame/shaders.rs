@@ -113,6 +113,8 @@ pub const UPDATE_FIELD: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6
 pub const READ_BLUR: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0010");
 /// The veil of clouded media.
 pub const VEIL: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0009");
+/// The picture in which that veil is spread.
+pub const VEIL_SOURCE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0011");
 /// The picture of the view.
 pub const GATHER: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0008");
 
@@ -301,6 +303,16 @@ pub const SOURCES: &[Source] = &[
             PERCEPT,
             MEDIA,
             include_str!("../../shaders/view/present/veil.wgsl"),
+        ],
+    },
+    Source {
+        handle: VEIL_SOURCE,
+        name: "ocularium/veil_source.wgsl",
+        library: &["veil"],
+        entry: &[
+            PERCEPT,
+            MEDIA,
+            include_str!("../../shaders/view/present/veil_source.wgsl"),
         ],
     },
     Source {

@@ -174,20 +174,19 @@ impl Default for PerceptUniform {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MediaUniform {
-    /// Share of the light on each mip level of the veil ([`crate::optics::glare::Veil::weights`]).
+    /// Share of the scattered light on each level of the veil's source
+    /// ([`crate::optics::glare::Veil::weights`]).
     pub weights: [[f32; 4]; 4],
     /// Transmittance, linear sRGB.
     pub transmittance: [f32; 3],
     /// Share of the light that is scattered.
     pub scattered: f32,
-    /// Weight of what lies around the picture in the veil.
-    pub rest: f32,
-    /// First and last mip level of the veil.
-    pub first_level: u32,
-    /// The last one.
+    /// Size of the source, texels ([`crate::optics::glare::VeilSource`]).
+    pub source_size: [u32; 2],
+    /// Texels of the source a radian in the middle.
+    pub texels_per_radian: f32,
+    /// Last level of the source that counts.
     pub last_level: u32,
-    /// Nothing.
-    pub unused: u32,
 }
 
 const _: () = assert!(size_of::<MediaUniform>() == 96);

@@ -390,9 +390,14 @@ fn show(
     recorder: &mut Recorder,
 ) -> bool {
     let of = (gpu.view.as_ref(), gpu.captured);
-    passes
-        .present
-        .spread_veil(frame, of, &mut gpu.veil, queue, recorder);
+    passes.present.veil.run(
+        frame,
+        of,
+        &mut gpu.veil,
+        &mut passes.capture,
+        queue,
+        recorder,
+    );
     let (Some(view), Some(table), Some(target)) =
         (&gpu.view, &gpu.memory.table, images.get(&frame.target))
     else {

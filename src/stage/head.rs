@@ -142,6 +142,9 @@ impl HeadKey {
 #[reflect(Component)]
 pub struct HeadPath(Vec<HeadKey>);
 
+/// The path that comes with the program, and its text.
+const BUILT_IN: (&str, &str) = ("walk", include_str!("../../assets/head_paths/walk.ron"));
+
 /// Why a path could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}:{}{reason}", if reason.starts_with(|c: char| c.is_ascii_digit()) { "" } else { " " })]
@@ -175,7 +178,8 @@ fn clause(fault: &Fault) -> String {
 }
 
 impl HeadPath {
-    /// Reads a path from a file.
+    /// Reads a path from a file. Where there is none of this name, `walk` and `walk.ron` are the walk that
+    /// comes with the program.
     ///
     /// # Errors
     /// One sentence that names the file and what is wrong in it.
@@ -185,9 +189,16 @@ impl HeadPath {
             file: file.clone(),
             reason,
         };
+        let (name, text) = BUILT_IN;
+        let is_built_in = path == Path::new(name) || path == Path::new(name).with_extension("ron");
+        if is_built_in && !path.is_file() {
+            return Self::parse(text).map_err(refused);
+        }
         let bytes = read_input_file(path, MAX_FILE_BYTES).map_err(|error| {
             refused(match error.kind() {
-                std::io::ErrorKind::NotFound => "it does not exist".into(),
+                std::io::ErrorKind::NotFound => {
+                    format!("it does not exist; the path that comes with the program is {name}")
+                }
                 _ => error.to_string(),
             })
         })?;
@@ -310,6 +321,26 @@ mod tests {
         let slope = |t: f64| (place(t + 1e-3) - place(t - 1e-3)) / 2e-3;
         assert!((slope(1.999) - slope(2.001)).length() < 0.02);
         assert!(slope(1.0).length() < 0.02);
+    }
+
+    #[test]
+    fn a_walk_comes_with_the_program() {
+        let walk = HeadPath::load(Path::new("walk")).expect("built in");
+        assert_eq!(
+            walk,
+            HeadPath::load(Path::new("walk.ron")).expect("built in")
+        );
+        assert_eq!(
+            (walk.at(0.0), walk.at(4.0)),
+            (Head::default(), Head::default())
+        );
+        assert!(walk.at(2.2).place_m.length() > 0.5);
+        let error = HeadPath::load(Path::new("nowhere/walk.ron")).expect_err("no file");
+        assert!(
+            error
+                .to_string()
+                .ends_with("comes with the program is walk")
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use super::{between, pass, unit};
 use crate::gpu::Twin;
+use glam::DVec2;
 use ocularium::percept::{fast, gather, sharpness_field as field, veil};
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -502,8 +503,9 @@ fn veils() {
     pass(&Twin {
         name: "wide_spline_pair",
         library: &["veil"],
-        call: "let t = wide_spline_pair(x[0], vec2f(solid_angle_share(x[1]), solid_angle_share(x[2]))); y[0] = t.x; y[1] = t.y; y[2] = wide_spline(x[0]); \
-               y[3] = solid_angle_share(x[1]);",
+        call: "let t = wide_spline_pair(x[0], vec2f(abs(x[1]), abs(x[2]))); y[0] = t.x; y[1] = t.y; y[2] = wide_spline(x[0]); \
+               let p = stereographic(vec2f(x[1], x[2])); y[3] = p.x; y[4] = p.y; y[5] = stereographic_scale(p); \
+               let b = tangents_of(p); y[6] = b.x; y[7] = b.y;",
         draw: &|rng| {
             vec![
                 // Where both have no weight there is no place between them.
@@ -513,9 +515,19 @@ fn veils() {
             ]
         },
         exact: &|x| {
-            let shares = [x[1], x[2]].map(veil::solid_angle_share);
-            let taps = veil::wide_spline_pair(x[0], shares.into());
-            vec![taps.x, taps.y, veil::wide_spline(x[0]), shares[0]]
+            let taps = veil::wide_spline_pair(x[0], DVec2::new(x[1], x[2]).abs());
+            let place = veil::stereographic(DVec2::new(x[1], x[2]));
+            let back = veil::tangents_of(place);
+            vec![
+                taps.x,
+                taps.y,
+                veil::wide_spline(x[0]),
+                place.x,
+                place.y,
+                veil::stereographic_scale(place),
+                back.x,
+                back.y,
+            ]
         },
         // A few roundings of numbers up to 1; a place is their quotient, of 1e-4 and more.
         absolute: 5e-5,

@@ -286,7 +286,7 @@ fn present(input: FullScreen) -> @location(0) vec4<f32> {
         var seen = seen_radiance(uv * vec2<f32>(percept.size));
 #ifdef MEDIA
         let scattered = textureSampleLevel(veil, view_sampler, uv, 0.0).rgb;
-        seen = media.transmittance * ((1.0 - media.scattered) * seen + scattered);
+        seen = media.transmittance * mix(seen, scattered, media.scattered);
 #endif
         radiance += open * seen;
     }

@@ -1,10 +1,9 @@
 // What clouded media do to the light, for the view. Keep in sync with src/percept/gpu_data.rs.
 struct MediaUniform {
-    weights: array<vec4<f32>, 4>,   // of each mip level, in the veil
+    weights: array<vec4<f32>, 4>,   // of each level of the source, in the veil
     transmittance: vec3<f32>,       // linear sRGB
     scattered: f32,                 // share of the light that is scattered
-    rest: f32,                      // weight of what lies around the picture in the veil
-    first_level: u32,
-    last_level: u32,
-    unused: u32,
+    source_size: vec2<u32>,         // texels
+    texels_per_radian: f32,         // of the source
+    last_level: u32,                // of the source
 };

@@ -139,7 +139,7 @@ pub(super) struct RenderArgs {
     pub(super) distance: f32,
     /// The way that the head goes through the scene: a file (RON) with a list of moments, as in
     /// [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, right_m: 0.2, up_m: 0.0, yaw_deg: 20.0, pitch_deg: -5.0)],
-    /// against where the scene puts it.
+    /// against where the scene puts it; or "walk", one that comes with the program.
     #[arg(long, value_name = "FILE")]
     pub(super) head_path: Option<PathBuf>,
     /// Draw a ring in the view where the eye looks.

@@ -8,12 +8,16 @@
 //! more than once, which the share `1 − e^(−E s)` stands for.
 //!
 //! **As a sum of levels.** A law near θ⁻² is a sum of bells an octave apart, such as the mips of a picture
-//! are under a spline. What a light in the middle of the picture becomes on each level is followed
+//! are under a spline. In the stereographic projection about the view's axis, `u = 2 tan(θ/2)`, every
+//! place has one scale in all directions, `s(u) = 1 + u²/4`; a solid angle is `d²u/s²`, and
+//! `4 sin²(γ/2) = |u − v|² / (s(u) s(v))` for the angle γ between two places. So a law of γ⁻² is a bell
+//! that is the same everywhere over `L/s`, times the `s` of the place where it is seen: lights aside
+//! have the veil that a light in the middle has. What such a light becomes on each level is followed
 //! step by step; the levels' weights are fitted to the function from 0.7 to 35° by non-negative least
 //! squares of relative errors (Lee and Seung's multiplicative steps, 2001).
 
 use super::Glare;
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Angle at which the added straylight is given, rad.
 const STATED_AT_RAD: f64 = 7.0 * core::f64::consts::PI / 180.0;
@@ -33,6 +37,41 @@ pub fn cubic_spline(x: f64) -> f64 {
         (4.0 - 3.0 * x * x * (2.0 - x)) / 6.0
     } else {
         (2.0 - x).max(0.0).powi(3) / 6.0
+    }
+}
+
+/// Stereographic place of a tangent from the middle of a view: `2 tan(θ/2)` for `tan θ`.
+pub fn stereographic(tangent: f64) -> f64 {
+    2.0 * tangent / (1.0 + (1.0 + tangent * tangent).sqrt())
+}
+
+/// The picture in which a veil is spread: the view in the stereographic projection, half as fine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VeilSource {
+    /// Texels, over the whole view and what the projection adds at its corners.
+    pub size: [u32; 2],
+    /// Texels a unit of the projection, which is a radian in the middle.
+    pub texels_per_radian: f64,
+}
+
+impl VeilSource {
+    /// That of a picture of this size with `pixels_per_radian` (positive) at its middle.
+    pub fn new(pixels_per_radian: f64, size_px: [u32; 2]) -> Self {
+        let texels_per_radian = 0.5 * pixels_per_radian;
+        let size = size_px.map(|side| {
+            let half = stereographic(0.5 * f64::from(side.max(1)) / pixels_per_radian);
+            ((2.0 * half * texels_per_radian).ceil() as u32).max(1)
+        });
+        Self {
+            size,
+            texels_per_radian,
+        }
+    }
+
+    /// Last level that says more than its one texel does.
+    pub fn last_level(&self) -> usize {
+        let levels = self.size[0].max(self.size[1]).ilog2() as usize;
+        levels.saturating_sub(1).min(VEIL_LEVELS - 1)
     }
 }
 
@@ -67,43 +106,57 @@ fn halved(source: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What `shaders/view/present/veil.wgsl` reads along one axis of a light in the middle, from a level whose texels
-/// these are, at each of `side` pixels; `tan_half` is the tangent of half the field.
-fn read_along(texels: &[f64], side: usize, tan_half: f64) -> Vec<f64> {
-    let count = texels.len() as f64;
-    let read = |at: f64| texels[at.clamp(0.0, count - 1.0) as usize];
-    (0..side)
-        .map(|pixel| {
-            let at = (pixel as f64 + 0.5) / side as f64 * count - 0.5;
-            let base = at.floor() - 3.0;
-            let (sum, whole) = (0..8).fold((0.0, 0.0), |(sum, whole), k| {
-                let texel = base + f64::from(k);
-                // Each texel counts with the solid angle that it has.
-                let tangent = (2.0 * (texel + 0.5) / count - 1.0) * tan_half;
-                let share = (1.0 + tangent * tangent).powf(-1.5);
-                let weight = share * cubic_spline(0.5 * (texel - at));
-                (sum + weight * read(texel), whole + weight)
-            });
-            sum / whole
-        })
-        .collect()
+/// Samples along each axis of a texel of the source, as `shaders/view/present/veil_source.wgsl` takes them.
+const SOURCE_SAMPLES: usize = 4;
+
+/// What a light in the middle of a picture of `side` pixels becomes along one axis on each level of the
+/// source, `count` texels long, up to `last`.
+fn levels_along(side: usize, count: usize, pixels_per_texel: f64, last: usize) -> Vec<Vec<f64>> {
+    let mut pixels = vec![0.0; side];
+    for middle in [(side - 1) / 2, side / 2] {
+        pixels[middle] += 0.5;
+    }
+    // Read from the picture's first mip, where there is one.
+    let finest = if side > 1 { halved(&pixels) } else { pixels };
+    let scale = finest.len() as f64 / side as f64;
+    let read = |at: f64| {
+        let (low, f) = (at.floor(), at - at.floor());
+        let texel = |at: f64| finest[at.clamp(0.0, finest.len() as f64 - 1.0) as usize];
+        texel(low) * (1.0 - f) + texel(low + 1.0) * f
+    };
+    let source = (0..count).map(|texel| {
+        (0..SOURCE_SAMPLES)
+            .map(|k| {
+                let part = (k as f64 + 0.5) / SOURCE_SAMPLES as f64;
+                let off = (texel as f64 + part - 0.5 * count as f64) * pixels_per_texel;
+                read((0.5 * side as f64 + off) * scale - 0.5)
+            })
+            .sum::<f64>()
+            / SOURCE_SAMPLES as f64
+    });
+    let mut levels: Vec<Vec<f64>> = vec![source.collect()];
+    for _ in 0..last {
+        let next = halved(levels.last().expect("one"));
+        levels.push(next);
+    }
+    levels
 }
 
-/// What a light in the middle of a picture of this side becomes along one axis on the levels up to
-/// `last`, a pixel.
-fn levels_along(side: usize, last: usize, tan_half: f64) -> Vec<Vec<f64>> {
-    let mut texels = vec![0.0; side];
-    for middle in [(side - 1) / 2, side / 2] {
-        texels[middle] += 0.5;
-    }
-    (0..=last)
-        .map(|level| {
-            if level > 0 {
-                texels = halved(&texels);
+/// What `shaders/view/present/veil.wgsl` reads of a level along one axis at a share of it, 0 to 1.
+fn read_along(texels: &[f64], share: f64) -> f64 {
+    let count = texels.len() as f64;
+    let at = share * count - 0.5;
+    let base = at.floor() - 3.0;
+    (0..8)
+        .map(|k| {
+            let texel = base + f64::from(k);
+            if (0.0..count).contains(&texel) {
+                0.5 * cubic_spline(0.5 * (texel - at)) * texels[texel as usize]
+            } else {
+                0.0
             }
-            read_along(&texels, side, tan_half)
         })
-        .collect()
+        .sum()
 }
 
 /// What clouded media scatter beyond a healthy eye.
@@ -162,51 +215,40 @@ impl Veil {
         self.added / self.unit * energy
     }
 
-    /// The kernel for a picture of this size and `pixels_per_radian` at its middle, as shares of the light
-    /// on its mip levels from `first` to `last` under a cubic B-spline of twice their texels, and what
-    /// remains for what lies around it; together they are [`Self::scattered`].
-    ///
-    /// A level is read as a mean in which a texel at the angle θ from the middle counts with its solid
-    /// angle, cos³ θ: so a uniform picture stays what it is everywhere, and a veil in the middle is
-    /// right as far as the picture goes. At the angle θ an angle takes 1/cos² θ as many texels outwards
-    /// and 1/cos θ aside, which is met in the mean, by reading levels 1.5 log₂(1/cos θ) coarser.
-    pub fn weights(
-        &self,
-        pixels_per_radian: f64,
-        size_px: [u32; 2],
-        first: usize,
-        last: usize,
-    ) -> ([f64; VEIL_LEVELS], f64) {
-        let last = last.min(VEIL_LEVELS - 1);
-        let first = first.min(last);
+    /// Shares of the scattered light on the levels of the source of a picture of this size and
+    /// `pixels_per_radian` at its middle; what they lack of 1 goes to what lies around the picture. How
+    /// much is scattered does not change them.
+    pub fn weights(&self, pixels_per_radian: f64, size_px: [u32; 2]) -> [f64; VEIL_LEVELS] {
         let mut weights = [0.0; VEIL_LEVELS];
         if self.added == 0.0 {
-            return (weights, 0.0);
+            return weights;
         }
-        let sigma = |level: usize| SIGMA_TEXELS * 2f64.powi(level as i32) / pixels_per_radian;
-        let sides = size_px.map(|side| side.max(1) as usize);
-        let axes =
-            sides.map(|side| levels_along(side, last, 0.5 * side as f64 / pixels_per_radian));
-        // What a level is at this tangent from the middle, as a mean over the directions in which the
+        let source = VeilSource::new(pixels_per_radian, size_px);
+        let last = source.last_level();
+        let axes = [0, 1].map(|axis| {
+            let side = size_px[axis].max(1) as usize;
+            levels_along(side, source.size[axis] as usize, 2.0, last)
+        });
+        // What a level is at this place from the middle, as a mean over the directions in which the
         // picture goes so far.
-        let at_level = |level: usize, r: f64| {
+        let at_level = |level: usize, u: f64| {
             let (mut sum, mut count) = (0.0, 0.0);
             for part in 0..8 {
                 let angle = (f64::from(part) + 0.5) / 8.0 * FRAC_PI_2;
                 let (sine, cosine) = angle.sin_cos();
-                let read = |axis: usize, along: f64| {
-                    let at = 0.5 * sides[axis] as f64 + along * pixels_per_radian - 0.5;
-                    let (low, f) = (at.floor().max(0.0) as usize, at.fract().max(0.0));
-                    let line = &axes[axis][level];
-                    Some(line.get(low)? * (1.0 - f) + line.get(low + 1)? * f)
-                };
-                if let (Some(x), Some(y)) = (read(0, r * cosine), read(1, r * sine)) {
-                    sum += x * y;
+                let share = [u * cosine, u * sine];
+                let share: [f64; 2] = core::array::from_fn(|axis| {
+                    0.5 + share[axis] * source.texels_per_radian / f64::from(source.size[axis])
+                });
+                if share[0].max(share[1]) < 1.0 {
+                    sum += read_along(&axes[0][level], share[0])
+                        * read_along(&axes[1][level], share[1]);
                     count += 1.0;
                 }
             }
             if count > 0.0 {
-                sum / count * pixels_per_radian * pixels_per_radian
+                let seen_at = 1.0 + 0.25 * u * u;
+                seen_at * sum / count * pixels_per_radian * pixels_per_radian
             } else {
                 0.0
             }
@@ -216,13 +258,11 @@ impl Veil {
             .map(|i| {
                 let share = i as f64 / (FITTED_ANGLES - 1) as f64;
                 let theta = FITTED_RAD.0 * (FITTED_RAD.1 / FITTED_RAD.0).powf(share);
-                let (r, wanted) = (theta.tan(), self.spread(theta));
-                let coarser = coarser_at(r);
+                let u = 2.0 * (0.5 * theta).tan();
+                let wanted = self.spread(theta) / self.scattered;
                 core::array::from_fn(|level| {
-                    if (first..=last).contains(&level) {
-                        let next = (level + 1).min(last);
-                        let own = (1.0 - coarser) * at_level(level, r);
-                        (own + coarser * at_level(next, r)) / wanted
+                    if level <= last {
+                        at_level(level, u) / wanted
                     } else {
                         0.0
                     }
@@ -232,10 +272,11 @@ impl Veil {
             .filter(|row: &[f64; VEIL_LEVELS]| row.iter().any(|level| *level > 0.0))
             .collect();
         // A first guess: an octave of rings each, as in a law of θ⁻².
-        for (level, weight) in weights.iter_mut().enumerate().take(last + 1).skip(first) {
-            *weight = self.added * core::f64::consts::LN_2 * TAU * (PI / 180.0).powi(2);
+        for (level, weight) in weights.iter_mut().enumerate().take(last + 1) {
+            *weight = 0.1;
+            let sigma = SIGMA_TEXELS * 2f64.powi(level as i32) / source.texels_per_radian;
             // A level far wider than what is fitted has no say.
-            if sigma(level) > 4.0 {
+            if sigma > 4.0 {
                 *weight = 0.0;
             }
         }
@@ -252,20 +293,11 @@ impl Veil {
                 }
             }
         }
-        let kept: f64 = weights[first..=last].iter().sum();
+        let kept: f64 = weights.iter().sum();
         // No more than there is, should a picture be so coarse that its levels fit badly.
-        let share = (self.scattered / kept.max(f64::MIN_POSITIVE)).min(1.0);
-        for weight in &mut weights {
-            *weight *= share;
-        }
-        (weights, (self.scattered - kept * share).max(0.0))
+        let share = kept.max(1.0);
+        weights.map(|weight| weight / share)
     }
-}
-
-/// How many levels coarser a place at this tangent from the middle is read: there an angle takes
-/// 1/cos² θ as many texels outwards and 1/cos θ aside.
-fn coarser_at(tangent: f64) -> f64 {
-    (0.75 * (1.0 + tangent * tangent).log2()).min(1.0)
 }
 
 #[cfg(test)]
@@ -290,31 +322,75 @@ mod tests {
                 let scattered = veil.scattered();
                 assert!((0.0..=1.0).contains(&scattered));
                 assert!((veil.energy_within(FRAC_PI_2) - scattered).abs() < 1e-9);
-                let (weights, rest) = veil.weights(600.0, [640, 480], 1, 8);
+                let weights = veil.weights(600.0, [640, 480]);
                 assert!(
                     weights
                         .iter()
                         .all(|weight| weight.is_finite() && *weight >= 0.0)
                 );
-                assert!(rest >= 0.0 && rest <= scattered + 1e-12);
-                let whole = weights.iter().sum::<f64>() + rest;
-                assert!((whole - scattered).abs() < 1e-12, "{whole} of {scattered}");
+                assert!(weights.iter().sum::<f64>() <= 1.0 + 1e-12);
             }
         }
     }
 
     #[test]
+    fn how_much_is_scattered_does_not_change_how_it_is_spread() {
+        let of = |straylight| Veil::new(straylight, 0.5).weights(500.0, [320, 240]);
+        for (little, much) in of(0.5).iter().zip(of(50.0)) {
+            assert!((little - much).abs() < 1e-9, "{little} {much}");
+        }
+    }
+
+    #[test]
+    fn lights_aside_have_the_veil_of_one_in_the_middle() {
+        // The bell of the middle, moved: exact for a law of the chord's inverse square, and the function
+        // is near one. What is left of it over the whole of a wide view.
+        let veil = Veil::new(10.0, 0.5);
+        let place = |deg: f64| 2.0 * (0.5 * deg.to_radians()).tan();
+        let scale = |u: f64| 1.0 + 0.25 * u * u;
+        let mut worst = 0.0_f64;
+        for light in [10.0, 20.0, 30.0, 40.0] {
+            for seen in [-40.0, -20.0, -5.0, 0.0, 5.0, 35.0] {
+                let angle = f64::to_radians(light - seen).abs();
+                if !(1.0..=35.0).contains(&angle.to_degrees()) {
+                    continue;
+                }
+                let (v, u) = (place(light), place(seen));
+                // The function's middle, read at the same distance in the projection.
+                let middle = 2.0 * (0.5 * (u - v).abs()).atan();
+                let drawn = veil.spread(middle) / scale(u - v) * scale(u) * scale(v);
+                worst = worst.max((drawn / veil.spread(angle) - 1.0).abs());
+            }
+        }
+        println!("{worst}");
+        assert!(worst < 0.04, "{worst}");
+    }
+
+    #[test]
     fn a_light_in_the_middle_keeps_its_light_on_every_level() {
         for side in [1, 2, 7, 64, 101, 640] {
-            // Far from where a pixel's solid angle matters.
-            for (level, line) in levels_along(side, 4, 1e-6).iter().enumerate() {
-                let sum: f64 = line.iter().sum();
+            let levels = levels_along(side, side.div_ceil(2), 2.0, 3);
+            for (level, line) in levels.iter().enumerate() {
+                let sum: f64 = line.iter().sum::<f64>() * side as f64 / line.len() as f64;
                 // The ends of a short picture stand for more of it.
                 if side > 64 {
                     assert!((sum - 1.0).abs() < 2e-2, "{side} {level}: {sum}");
                 }
                 assert!(sum.is_finite());
             }
+        }
+    }
+
+    #[test]
+    fn a_source_holds_the_whole_view() {
+        for (scale, size) in [(600.0, [640, 480]), (100.0, [1, 1]), (50.0, [4000, 30])] {
+            let source = VeilSource::new(scale, size);
+            for (texels, pixels) in source.size.into_iter().zip(size) {
+                let half = 0.5 * f64::from(texels) / source.texels_per_radian;
+                let edge = (0.5 * f64::from(pixels) / scale).atan();
+                assert!(half >= 2.0 * (0.5 * edge).tan() - 1e-12);
+            }
+            assert!(source.last_level() < VEIL_LEVELS);
         }
     }
 }

@@ -10,22 +10,23 @@ mod view_images;
 pub(super) mod when;
 
 pub(super) use readback::{Readback, Staging};
-pub(super) use view_images::ViewImages;
+pub(super) use view_images::{ViewImages, one_level};
 
 use super::frame::CaptureSource;
 use super::gpu_data::{
-    CANDIDATE_CAPACITY, FEATURE_COUNTERS, PhotoUniform, WORKGROUP, mip_levels, pixel_groups,
+    CANDIDATE_CAPACITY, FEATURE_COUNTERS, PhotoUniform, WORKGROUP, pixel_groups,
 };
 use super::pass::{ComputePass, EffectInputs, Effects, Recorder, numbers, view_numbers};
 use super::resources::{STORAGE, buffer};
 use crate::frame::shaders;
+use bevy::math::UVec2;
 use bevy::render::render_resource::binding_types::{
     storage_buffer_read_only_sized, storage_buffer_sized, texture_2d, texture_depth_2d,
     texture_storage_2d,
 };
 use bevy::render::render_resource::{
     BindGroupEntries, BindGroupLayoutEntries, Buffer, BufferInitDescriptor, BufferUsages,
-    PipelineCache, ShaderStages, StorageTextureAccess, TextureFormat, TextureSampleType,
+    PipelineCache, ShaderStages, StorageTextureAccess, Texture, TextureFormat, TextureSampleType,
     TextureView,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
@@ -148,7 +149,7 @@ impl CapturePasses {
         let plain = EffectInputs::default();
         let size = view.size;
         let pixels = pixel_groups(size.x, size.y, WORKGROUP);
-        let finest = view.level(0);
+        let finest = one_level(&view.colour, 0);
         let (uniform, luma) = (
             view.uniform.as_entire_binding(),
             view.luma.as_entire_binding(),
@@ -186,14 +187,21 @@ impl CapturePasses {
                 self.photo.run(recorder, &plain, &entries, pixels);
             }
         }
-        for level in 1..mip_levels(size.x, size.y) {
-            let (finer, coarser) = (view.level(level - 1), view.level(level));
+        self.fill_mips(&view.colour, recorder);
+        recorder.ledger.view_captures(1);
+    }
+
+    /// All levels of a texture from its first.
+    pub(super) fn fill_mips(&mut self, texture: &Texture, recorder: &mut Recorder) {
+        let size = UVec2::new(texture.width(), texture.height());
+        for level in 1..texture.mip_level_count() {
+            let (finer, coarser) = (one_level(texture, level - 1), one_level(texture, level));
             let entries = BindGroupEntries::sequential((&finer, &coarser));
             let texels = size.map(|side| (side >> level).max(1));
             let groups = pixel_groups(texels.x, texels.y, WORKGROUP);
-            self.downsample.run(recorder, &plain, &entries, groups);
+            self.downsample
+                .run(recorder, &EffectInputs::default(), &entries, groups);
         }
-        recorder.ledger.view_captures(1);
     }
 
     /// The corners of what was taken.

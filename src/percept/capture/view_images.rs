@@ -80,12 +80,13 @@ impl ViewImages {
             ),
         }
     }
+}
 
-    pub(in crate::percept) fn level(&self, level: u32) -> TextureView {
-        self.colour.create_view(&TextureViewDescriptor {
-            base_mip_level: level,
-            mip_level_count: Some(1),
-            ..TextureViewDescriptor::default()
-        })
-    }
+/// One level of a texture.
+pub(in crate::percept) fn one_level(texture: &Texture, level: u32) -> TextureView {
+    texture.create_view(&TextureViewDescriptor {
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..TextureViewDescriptor::default()
+    })
 }

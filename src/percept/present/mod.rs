@@ -5,33 +5,31 @@ pub mod gather;
 pub(super) mod hand_on;
 pub(super) mod perceive;
 pub mod veil;
+mod veil_passes;
+
+pub(super) use veil_passes::VeilGpu;
+use veil_passes::VeilPasses;
 
 use super::capture::ViewImages;
 use super::field::Table;
-use super::frame::PerceptFrame;
-use super::gpu_data::{MediaUniform, TILE, VEIL_SCALE, WORKGROUP, pixel_groups};
-use super::pass::{ComputePass, DrawPass, EffectInputs, Effects, Recorder, numbers, view_numbers};
-use super::resources::buffer;
+use super::gpu_data::{TILE, pixel_groups};
+use super::pass::{ComputePass, DrawPass, EffectInputs, Effects, Recorder, view_numbers};
 use crate::frame::shaders;
 use bevy::color::LinearRgba;
-use bevy::math::UVec2;
 use bevy::render::render_resource::binding_types::{
-    sampler, storage_buffer_read_only_sized, storage_buffer_sized, texture_2d, texture_storage_2d,
+    sampler, storage_buffer_read_only_sized, storage_buffer_sized, texture_2d,
 };
 use bevy::render::render_resource::{
-    BindGroupEntries, BindGroupLayoutEntries, Buffer, BufferUsages, CommandEncoder, Extent3d,
-    LoadOp, Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
-    SamplerBindingType, ShaderStages, StorageTextureAccess, StoreOp, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureSampleType, TextureUsages, TextureView,
-    TextureViewDescriptor,
+    BindGroupEntries, BindGroupLayoutEntries, Buffer, CommandEncoder, LoadOp, Operations,
+    PipelineCache, RenderPassColorAttachment, RenderPassDescriptor, SamplerBindingType,
+    ShaderStages, StoreOp, TextureFormat, TextureSampleType, TextureView,
 };
-use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
 
 /// The passes of the picture.
 pub(super) struct PresentPasses {
     read_blur: ComputePass,
-    veil: ComputePass,
+    pub(super) veil: VeilPasses,
     gather: DrawPass,
 }
 
@@ -64,24 +62,7 @@ impl Default for PresentPasses {
                     ),
                 ),
             ),
-            veil: ComputePass::new(
-                "spread_veil",
-                shaders::VEIL,
-                plain,
-                &BindGroupLayoutEntries::sequential(
-                    ShaderStages::COMPUTE,
-                    (
-                        view_numbers(),
-                        smooth(),
-                        filtering(),
-                        numbers::<MediaUniform>(),
-                        texture_storage_2d(
-                            TextureFormat::Rgba16Float,
-                            StorageTextureAccess::WriteOnly,
-                        ),
-                    ),
-                ),
-            ),
+            veil: VeilPasses::default(),
             gather: DrawPass::new(
                 "present",
                 shaders::GATHER,
@@ -109,55 +90,9 @@ impl PresentPasses {
         let mut is_ready = self.read_blur.is_ready(cache, effects);
         is_ready &= self.gather.is_ready(cache, effects, format);
         if effects.media {
-            is_ready &= self.veil.is_ready(cache, effects);
+            is_ready &= self.veil.is_ready(cache);
         }
         is_ready
-    }
-
-    /// Spreads the veil of clouded media over the view of a capture, where it is not there yet.
-    pub(super) fn spread_veil(
-        &mut self,
-        frame: &PerceptFrame,
-        (view, captured): (Option<&ViewImages>, u64),
-        there: &mut Option<VeilGpu>,
-        queue: &RenderQueue,
-        recorder: &mut Recorder,
-    ) {
-        let (Some(media), Some(view)) = (&frame.media, view) else {
-            *there = None;
-            return;
-        };
-        if there
-            .as_ref()
-            .is_some_and(|veil| veil.is_of(captured, media))
-        {
-            return;
-        }
-        let mut veil = match there.take() {
-            Some(veil) if veil.size == view.size => veil,
-            _ => VeilGpu::new(recorder.device, view.size),
-        };
-        queue.write_buffer(&veil.uniform, 0, bytemuck::bytes_of(media));
-        let entries = BindGroupEntries::sequential((
-            view.uniform.as_entire_binding(),
-            &view.colour_view,
-            recorder.sampler,
-            veil.uniform.as_entire_binding(),
-            &veil.view,
-        ));
-        let small = view.size.map(|side| side.div_ceil(VEIL_SCALE));
-        let groups = pixel_groups(small.x, small.y, WORKGROUP);
-        if self
-            .veil
-            .run(recorder, &EffectInputs::default(), &entries, groups)
-        {
-            veil.of = Some((captured, *media));
-            recorder.ledger.veil_passes(1);
-            recorder
-                .ledger
-                .bytes_uploaded(size_of::<MediaUniform>() as u64);
-        }
-        *there = Some(veil);
     }
 
     /// Draws the picture; says whether it was drawn.
@@ -227,51 +162,5 @@ fn onto_black(view: &TextureView) -> RenderPassColorAttachment<'_> {
             load: LoadOp::Clear(LinearRgba::BLACK.into()),
             store: StoreOp::Store,
         },
-    }
-}
-
-/// The veil over one view.
-pub(super) struct VeilGpu {
-    pub(super) size: UVec2,
-    pub(super) view: TextureView,
-    pub(super) uniform: Buffer,
-    /// Which capture it is of, and what media.
-    pub(super) of: Option<(u64, MediaUniform)>,
-}
-
-impl VeilGpu {
-    /// Is it of these media over the view of this capture?
-    pub(super) fn is_of(&self, captured: u64, media: &MediaUniform) -> bool {
-        self.of.as_ref() == Some(&(captured, *media))
-    }
-
-    /// A veil for a view of this size, pixels.
-    pub(super) fn new(device: &RenderDevice, size: UVec2) -> Self {
-        let small = size.map(|side| side.div_ceil(VEIL_SCALE));
-        let texture = device.create_texture(&TextureDescriptor {
-            label: Some("veil"),
-            size: Extent3d {
-                width: small.x,
-                height: small.y,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: TextureFormat::Rgba16Float,
-            usage: TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        Self {
-            size,
-            view: texture.create_view(&TextureViewDescriptor::default()),
-            uniform: buffer(
-                device,
-                "media",
-                size_of::<MediaUniform>() as u64,
-                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            ),
-            of: None,
-        }
     }
 }

@@ -3,8 +3,7 @@
 use super::super::field::SharpnessField;
 use super::super::frame::{CaptureRequest, CaptureSource, FieldMap, PerceptFrame};
 use super::super::gpu_data::{
-    FORGET, MediaUniform, PerceptUniform, PhotoUniform, default_voxel_angle_rad, mip_levels,
-    pixels_per_radian,
+    FORGET, MediaUniform, PerceptUniform, PhotoUniform, default_voxel_angle_rad, pixels_per_radian,
 };
 use super::super::sees_as::{SeesAs, Worn};
 use super::super::view::{LaidOut, Percept, QUIET_FRAMES, Stage, ViewOptions, is_shown};
@@ -16,12 +15,10 @@ use crate::appearance::lid_edges::lid_edges;
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::GazeController;
-use crate::optics::glare::Veil;
+use crate::optics::glare::{Veil, VeilSource};
 use bevy::prelude::*;
 use std::sync::Arc;
 
-/// First mip level that is part of a veil: what is scattered by less is no veil yet.
-const FIRST_VEIL_LEVEL: u32 = 1;
 /// Texels of the visual-field map along a side, and half the angle it covers.
 const FIELD_SIDE: u32 = 64;
 const FIELD_HALF_DEG: f32 = 40.0;
@@ -37,10 +34,16 @@ const LOSS_DESATURATION: f32 = 0.5;
 const LOSS_BLINDNESS_POWER: i32 = 4;
 
 impl Percept {
-    /// [`media_uniform`], worked out where something has changed.
-    fn media_uniform(&mut self, media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform {
+    /// What these media do to light through an entrance pupil of this diameter (mm). How it is spread and
+    /// coloured is worked out where something else than the pupil has changed.
+    fn media_uniform(
+        &mut self,
+        media: &OcularMedia,
+        entrance_mm: f64,
+        uniform: &PerceptUniform,
+    ) -> MediaUniform {
         let scale = uniform.pixels_per_radian;
-        match &self.media {
+        let mut found = match &self.media {
             Some((of, size, at, known)) if (of, *size, *at) == (media, uniform.size, scale) => {
                 *known
             }
@@ -49,7 +52,10 @@ impl Percept {
                 self.media = Some((*media, uniform.size, scale, found));
                 found
             }
-        }
+        };
+        let straylight = media.straylight_through(entrance_mm);
+        found.scattered = Veil::new(straylight, media.pigment).scattered() as f32;
+        found
     }
 }
 
@@ -228,7 +234,7 @@ fn frame_of(
     let seeing = edges.leave_open(0.5 * entrance_mm) && (!controller.state().in_saccade || first);
     let media = media
         .filter(|media| !media.is_clear())
-        .map(|media| percept.media_uniform(media, &uniform));
+        .map(|media| percept.media_uniform(media, entrance_mm, &uniform));
     let changed = percept.shown != Some((uniform, media)) || capture.is_some();
     let frame = PerceptFrame {
         visible,
@@ -320,28 +326,21 @@ fn photo_uniform(laid: &LaidOut, pose: Isometry3d) -> PhotoUniform {
     }
 }
 
-/// What clouded media do to the light of a view with these numbers.
+/// How clouded media spread and colour the light of a view with these numbers.
 fn media_uniform(media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform {
-    let veil = Veil::new(media.straylight, media.pigment);
-    // The last is one texel, which says no more than the one before.
-    let last = mip_levels(uniform.size[0], uniform.size[1]).saturating_sub(2);
-    let first = FIRST_VEIL_LEVEL.min(last);
-    let (weights, rest) = veil.weights(
-        uniform.pixels_per_radian.into(),
-        uniform.size,
-        first as usize,
-        last as usize,
-    );
+    let scale = uniform.pixels_per_radian.into();
+    let source = VeilSource::new(scale, uniform.size);
+    // How much light it is makes no difference to where it goes.
+    let weights = Veil::new(1.0, media.pigment).weights(scale, uniform.size);
     MediaUniform {
         weights: std::array::from_fn(|row| {
             std::array::from_fn(|column| weights[4 * row + column] as f32)
         }),
         transmittance: media.transmittance().to_array(),
-        scattered: veil.scattered() as f32,
-        rest: rest as f32,
-        first_level: first,
-        last_level: last,
-        unused: 0,
+        scattered: 0.0,
+        source_size: source.size,
+        texels_per_radian: source.texels_per_radian as f32,
+        last_level: source.last_level() as u32,
     }
 }
 

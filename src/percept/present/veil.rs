@@ -3,11 +3,20 @@
 use crate::optics::glare::cubic_spline;
 use glam::DVec2;
 
-/// Share of its solid angle that a pixel at this tangent from the middle of a view keeps along one axis,
-/// cos³ θ. The product of both is (1 + x² + y²)^−1.5 but for x² y² in the bracket.
-pub fn solid_angle_share(tangent: f64) -> f64 {
-    let c = 1.0 / (1.0 + tangent * tangent);
-    c * c.sqrt()
+/// Stereographic place of a place in tangents from the middle of a view: 2 tan(θ/2) for tan θ.
+pub fn stereographic(tangents: DVec2) -> DVec2 {
+    2.0 * tangents / (1.0 + (1.0 + tangents.length_squared()).sqrt())
+}
+
+/// Tangents from the middle of a view of a stereographic place within 90° of it; beyond, those far out in
+/// its direction.
+pub fn tangents_of(place: DVec2) -> DVec2 {
+    place / (1.0 - 0.25 * place.length_squared()).max(1e-3)
+}
+
+/// How much larger a stereographic place is drawn than the middle, along each axis.
+pub fn stereographic_scale(place: DVec2) -> f64 {
+    1.0 + 0.25 * place.length_squared()
 }
 
 /// A cubic B-spline twice as wide as a texel's: its weight for a texel at this distance, in texels. Those
@@ -19,10 +28,8 @@ pub fn wide_spline(distance: f64) -> f64 {
 /// Two neighbouring texels as one bilinear tap, the first at this signed distance, each of which counts by
 /// its share: x their weight, y how far the tap lies from the first towards the second.
 pub fn wide_spline_pair(first: f64, shares: DVec2) -> DVec2 {
-    let (a, b) = (
-        wide_spline(first) * shares.x,
-        wide_spline(first + 1.0) * shares.y,
-    );
+    let a = wide_spline(first) * shares.x;
+    let b = wide_spline(first + 1.0) * shares.y;
     DVec2::new(a + b, b / (a + b).max(1e-20))
 }
 
@@ -44,8 +51,19 @@ mod tests {
             assert!((pairs - 1.0).abs() < 1e-14, "{f}: {pairs}");
         }
         assert_eq!(wide_spline(4.0), 0.0);
-        assert_eq!(solid_angle_share(0.0), 1.0);
-        // 60°: cos³ = 1/8.
-        assert!((solid_angle_share(3f64.sqrt()) - 0.125).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_place_has_its_tangents_back_and_the_scale_of_its_angle() {
+        for deg in [0.0, 5.0, 30.0, 60.0, 85.0_f64] {
+            let angle = deg.to_radians();
+            let place = stereographic(DVec2::from_angle(0.7) * angle.tan());
+            assert!((place.length() - 2.0 * (0.5 * angle).tan()).abs() < 1e-12);
+            assert!((tangents_of(place).length() - angle.tan()).abs() < 1e-10);
+            // dθ to dplace, and sin θ to its circle.
+            let scale = 1.0 / (0.5 * angle).cos().powi(2);
+            assert!((stereographic_scale(place) - scale).abs() < 1e-12);
+        }
+        assert!(tangents_of(DVec2::splat(9.0)).is_finite());
     }
 }
