@@ -5,7 +5,7 @@ use bevy::math::UVec2;
 use bevy::math::Vec3;
 use image::RgbaImage;
 use ocularium::anatomy::{Eye, Laterality, OcularMedia};
-use ocularium::conditions::Cataract;
+use ocularium::conditions::{Cataract, Glaucoma};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::patients::{PatientFile, PupilSetting};
 
@@ -118,7 +118,7 @@ fn a_clouded_nucleus_is_grey_then_yellow_in_the_pupil() {
     assert!(before[2] / before[0] < 0.8 * (grey[2] / grey[0]));
     // A cloud at the capsule before a clear nucleus, and the same behind a brown one.
     let (cloud, _) = shown(&mut headless, Some(Cataract::posterior_subcapsular(5.0)));
-    assert!(cloud[1] > 2.0 * clear[1], "{cloud:?} against {clear:?}");
+    assert!(cloud[1] > 1.8 * clear[1], "{cloud:?} against {clear:?}");
     let both = Cataract {
         nuclear: 6.9,
         ..Cataract::posterior_subcapsular(5.0)
@@ -165,4 +165,32 @@ fn the_view_is_as_yellow_as_the_lens() {
         );
     }
     assert!(found[2] < 0.6 * found[0], "blue goes first");
+}
+
+/// Clouded media scatter light before the retina, and what sees nothing sees no veil either.
+#[test]
+fn a_blind_field_sees_no_veil() {
+    let _alone = alone();
+    let mut headless = opened();
+    let mean = |picture: &RgbaImage| {
+        let [w, h] = [picture.width() / 2, picture.height() / 2];
+        color_at(picture, [w, h], 70)[1]
+    };
+    let ([_, whole], _) = clouded(&mut headless, None);
+    let world = headless.world();
+    let mut eyes = world.query::<(bevy::prelude::Entity, &Eye)>();
+    let eyes: Vec<_> = eyes.iter(world).map(|(entity, _)| entity).collect();
+    for eye in eyes {
+        world
+            .entity_mut(eye)
+            .insert(Glaucoma::mean_deviation(-30.0));
+    }
+    let ([_, blind], _) = clouded(&mut headless, None);
+    let ([_, veiled], media) = clouded(&mut headless, Some(Cataract::posterior_subcapsular(5.0)));
+    assert!(media.straylight_through(6.0) > 10.0);
+    let [whole, blind, veiled] = [whole, blind, veiled].map(|picture| mean(&picture));
+    println!("{whole:.4} whole, {blind:.4} blind, {veiled:.4} with a veil");
+    assert!(blind < 0.2 * whole && veiled < 0.25 * whole);
+    // The veil lifts what is dark, by no more than the mean of the picture that is left.
+    assert!(veiled < 1.5 * blind + 0.01, "{veiled} for {blind}");
 }

@@ -251,6 +251,9 @@ fn a_white_wall_stays_white_under_a_veil() {
             luminance_there(&picture, place.to_array(), exposure)
         };
         let middle = at(0.5, 0.5);
+        let of_wall = middle / f64::from(LUMINANCE);
+        println!("{size}: {of_wall:.3} of the wall");
+        assert!((of_wall - 1.0).abs() < 0.03, "{of_wall}");
         for (u, v) in [
             (0.02, 0.5),
             (0.5, 0.98),
@@ -323,4 +326,42 @@ fn a_cloud_in_the_middle_veils_more_through_a_small_pupil() {
     // How much is scattered does not change where it goes: one veil for each capture.
     let work = headless.work().since(before);
     assert_eq!(work.veil_passes, work.view_captures, "{work:?}");
+}
+
+/// What the picture cuts is not taken to go on beyond it for ever.
+#[test]
+fn a_light_at_the_border_has_no_more_veil_than_itself() {
+    let _alone = alone();
+    let size = UVec2::splat(SIDE);
+    // A square of 16 pixels: inside, near the border, and halfway over it.
+    let half_side = 8.0 * HALF_SIDE;
+    // Of what is half over it twice as much may be there.
+    for (aside, most) in [(0.45, 1.2), (0.58, 1.2), (TAN_HALF, 2.1)] {
+        let (mut headless, camera, image) = dark_world(aside, half_side, size);
+        cloud(&mut headless, Cataract::cortical(3.0));
+        show(&mut headless, camera, 1.0, 12);
+        let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
+        let seen = (TAN_HALF - (aside - half_side)).min(2.0 * half_side);
+        let middle = aside - half_side + 0.5 * seen;
+        let towards = Vec3::new(middle, 0.0, -1.0).normalize();
+        let source = f64::from(LUMINANCE)
+            * f64::from(2.0 * half_side * seen)
+            * f64::from(-towards.z).powi(3);
+        for place in [
+            Vec2::new(middle - 0.1, 0.0),
+            Vec2::new(0.1, 0.0),
+            Vec2::new(middle - 0.02, 0.25),
+        ] {
+            let ray = Vec3::new(place.x, place.y, -1.0).normalize();
+            let wanted = source * veil.spread(f64::from(ray.angle_between(towards)));
+            let exposure = 0.25 / wanted;
+            show(&mut headless, camera, exposure as f32, 2);
+            let picture = headless.picture(&image).expect("a picture");
+            let uv = place * Vec2::new(1.0, -1.0) / TAN_HALF * 0.5 + 0.5;
+            let found =
+                luminance_there(&picture, (uv * size.as_vec2()).to_array(), exposure) / wanted;
+            println!("light at {aside}, {place}: {found:.3} of the function");
+            assert!((0.85..most).contains(&found), "{aside} {place}: {found}");
+        }
+    }
 }

@@ -29,3 +29,12 @@ fn linear_to_srgb(linear_rgb: vec3f) -> vec3f {
     let curve = 1.055 * pow(max(rgb, vec3f(0.0031308)), vec3f(1.0 / 2.4)) - 0.055;
     return select(curve, 12.92 * rgb, rgb <= vec3f(0.0031308));
 }
+
+// A displayed linear colour, half a code of eight bits up or down by the pixel: interleaved gradient noise
+// (Jimenez 2014).
+fn dithered(linear_rgb: vec3f, pixel: vec2f) -> vec3f {
+    let noise = fract(52.9829189 * fract(dot(floor(pixel), vec2f(0.06711056, 0.00583715))));
+    // What a code is in linear light.
+    let code = max(2.2748815 * pow(max(linear_rgb, vec3f(1e-9)), vec3f(1.4 / 2.4)), vec3f(1.0 / 12.92)) / 255.0;
+    return clamp(linear_rgb + (noise - 0.5) * code, vec3f(0.0), vec3f(1.0));
+}

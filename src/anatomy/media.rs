@@ -21,9 +21,9 @@ pub const LENS_DISC_MM: f64 = 7.5;
 /// Entrance pupil through which straylight is taken to have been measured, mm (a choice: the natural pupil
 /// of an old eye before a meter's grey screen; published means say no more than "undilated").
 pub const MEASURED_PUPIL_MM: f64 = 3.5;
-/// Diameter of the beam from far away at the posterior capsule, in that of the entrance pupil: the paraxial
-/// eye of the tests.
-const CAPSULE_BEAM: f64 = 0.75;
+/// Diameter of the beam from far away at the posterior capsule, in that of the entrance pupil, and so of
+/// anything at the capsule in that of what is seen of it from far away: the paraxial eye of the tests.
+pub const CAPSULE_BEAM: f64 = 0.75;
 /// What a cloud at the posterior capsule sends back of the irradiance / π before a clear nucleus, linear
 /// sRGB (a choice: photographs show it paler than the nucleus and darker than cortex).
 const CAPSULE_CLOUD: Vec3 = Vec3::new(0.075, 0.072, 0.065);

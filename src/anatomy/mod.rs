@@ -17,7 +17,7 @@ pub use components::{
     Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
     Laterality, Lens, Lids, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
-pub use media::{LENS_DISC_MM, MEASURED_PUPIL_MM, OcularMedia};
+pub use media::{CAPSULE_BEAM, LENS_DISC_MM, MEASURED_PUPIL_MM, OcularMedia};
 pub use visual_field::VisualField;
 
 use bevy::ecs::system::SystemParam;

@@ -211,6 +211,10 @@ fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn conclude(report: &RenderReport, out: &Path) -> ExitCode {
+    if report.frames == 0 {
+        complain("interrupted before the first frame; nothing was written");
+        return ExitCode::from(130);
+    }
     let pace = report
         .frame_ms_median
         .map_or_else(String::new, |ms| format!("; {ms:.0} ms a frame"));

@@ -12,7 +12,7 @@
 //! grades (±1 subcapsular).
 
 use super::{Affected, Condition, Control};
-use crate::anatomy::LENS_DISC_MM;
+use crate::anatomy::{CAPSULE_BEAM, LENS_DISC_MM};
 use crate::optics::root::illinois;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
@@ -206,7 +206,9 @@ impl Condition for Cataract {
         }
         let share = media.cortical_share + 0.9 * (cortical / 5.0).powf(1.5);
         media.cortical_share = share.min(1.0);
-        let cloud_mm = LENS_DISC_MM * (0.5 * (subcapsular / 5.0).powf(1.75)).sqrt();
+        // Shares of the capsule as photographs in retroillumination show it.
+        let seen_mm = LENS_DISC_MM * (0.5 * (subcapsular / 5.0).powf(1.75)).sqrt();
+        let cloud_mm = CAPSULE_BEAM * seen_mm;
         media.subcapsular_mm = media.subcapsular_mm.max(cloud_mm);
     }
 
@@ -221,7 +223,7 @@ impl Condition for Cataract {
     fn caption(&self) -> String {
         let [nuclear, cortical, subcapsular] = self.grades();
         if let Some(log_s) = self.log_s {
-            return format!("Cataract with a straylight of {log_s:.2} log s.");
+            return format!("Cataract by its straylight, {log_s:.2} log s.");
         }
         let parts: Vec<String> = [
             ("nuclear", nuclear),
@@ -331,7 +333,9 @@ mod tests {
         let shares = [2.0, 5.0].map(|grade| media(Cataract::cortical(grade)).cortical_share);
         assert!((shares[0] - 0.23).abs() < 0.01 && (shares[1] - 0.9).abs() < 1e-9);
         let cloud = media(Cataract::posterior_subcapsular(3.0)).subcapsular_mm;
-        assert!((3.0..4.0).contains(&cloud), "{cloud}");
+        // A fifth of the disc as it is seen through the cornea and the lens.
+        let seen = (cloud / CAPSULE_BEAM / LENS_DISC_MM).powi(2);
+        assert!((0.18..0.23).contains(&seen), "{seen}");
     }
 
     #[test]

@@ -8,6 +8,7 @@ pub mod approximations;
 pub mod bench;
 #[cfg(feature = "app")]
 pub mod frame_cost;
+pub mod frame_folder;
 pub mod headless;
 pub mod image_difference;
 #[cfg(feature = "app")]

@@ -1,17 +1,19 @@
 //! Recording an app of one's own without a window: its pictures, frame by frame, as files.
 //!
 //! Enters: an app built with [`plugins`] and [`RecordPlugin`], and a [`Recording`]. Leaves: `frame_NNNNN.png`
-//! in a folder. Cameras that would draw into the primary window draw into a picture of that size.
+//! and `report.json` in a folder. Cameras that would draw into the primary window draw into a picture of that size.
 
+use super::frame_folder::{FrameFolder, REPORT};
 use super::headless::Headless;
 use super::render::RenderError;
 use crate::frame::panel::target_image;
 use crate::frame::picture::encode_png;
-use crate::output_file::{FolderLock, prepare_folder, write_whole};
+use crate::output_file::{WriteError, write_whole};
 use bevy::app::PluginGroupBuilder;
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::window::WindowRef;
+use serde::Serialize;
 use std::num::NonZero;
 use std::path::PathBuf;
 
@@ -44,7 +46,16 @@ impl Recording {
     ) -> Result<Option<Self>, String> {
         let (mut frames, mut out) = (None, None);
         let (mut fps, mut size) = (10.0, UVec2::new(1280, 640));
-        let mut arguments = arguments.into_iter();
+        // `--frames=3` is `--frames 3`.
+        let mut arguments = arguments.into_iter().flat_map(|argument| {
+            match argument
+                .split_once('=')
+                .filter(|_| argument.starts_with("--"))
+            {
+                Some((name, value)) => vec![name.to_owned(), value.to_owned()],
+                None => vec![argument],
+            }
+        });
         while let Some(name) = arguments.next() {
             if !KNOWN.contains(&&*name) {
                 return Err(format!("{name} is not known; known are {USAGE}"));
@@ -137,18 +148,50 @@ fn take_windows_place(picture: Res<InWindowsPlace>, mut cameras: Query<&mut Rend
     }
 }
 
+/// `report.json` of a recording.
+#[derive(Serialize)]
+struct RecordingReport {
+    /// The program's version.
+    version: &'static str,
+    /// Frames written.
+    frames: u64,
+    /// Frames a second of simulated time.
+    fps: f64,
+    /// Width and height, pixels.
+    size_px: [u32; 2],
+}
+
 fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<(), RenderError> {
-    prepare_folder(&recording.out)?;
-    let _lock = FolderLock::take(&recording.out)?;
+    let mut folder = FrameFolder::take(&recording.out)?;
     let mut headless = Headless::of(app)?;
     for frame in 0..recording.frames {
         headless.go_to(frame as f64 / recording.fps);
         headless.finish_frame();
         let png = encode_png(&headless.picture(picture)?)
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
-        write_whole(&recording.out.join(format!("frame_{frame:05}.png")), &png)?;
+        folder.put(frame, &png)?;
     }
-    println!("{} frames in {}", recording.frames, recording.out.display());
+    let after = folder.end(recording.frames, true)?;
+    let report = RecordingReport {
+        version: env!("CARGO_PKG_VERSION"),
+        frames: recording.frames,
+        fps: recording.fps,
+        size_px: recording.size.to_array(),
+    };
+    let path = recording.out.join(REPORT);
+    let json = serde_json::to_vec_pretty(&report).map_err(|error| WriteError {
+        path: path.display().to_string(),
+        reason: error.to_string(),
+    })?;
+    write_whole(&path, &[&json, &b"\n"[..]].concat())?;
+    for remark in after.remarks(&recording.out) {
+        eprintln!("{remark}");
+    }
+    let frames = match recording.frames {
+        1 => "1 frame".into(),
+        many => format!("{many} frames"),
+    };
+    println!("{frames} in {}", recording.out.display());
     Ok(())
 }
 

@@ -1,19 +1,20 @@
 //! `ocularium render`: frames, a trace, and a report of what was done.
 
+use super::frame_folder::{FrameFolder, REPORT};
 use super::headless::{Headless, HeadlessError, Which};
 use crate::appearance::EyeOrbit;
 use crate::frame::ledger::Work;
 pub use crate::frame::picture::encode_png;
 use crate::frame::picture::side_by_side;
 use crate::motion::trace::{TraceRow, write_trace};
-use crate::output_file::{FolderLock, WriteError, prepare_folder, write_whole};
+use crate::output_file::{WriteError, write_whole};
 use crate::percept::ViewOptions;
 use crate::percept::places::FEWEST_CORNERS;
 use crate::stage::{HeadPath, Session};
 use bevy::math::UVec2;
 use image::RgbaImage;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -112,6 +113,9 @@ pub struct RenderReport {
     pub work: Work,
     /// Frames of an earlier, longer run into the same folder that were removed.
     pub removed_frames: u64,
+    /// How many numbers the frames of it go on after these, because this run was stopped before it came to
+    /// them.
+    pub left_frames: u64,
     /// What a user should know about how the scene was read, one sentence each.
     pub remarks: Vec<String>,
 }
@@ -176,14 +180,13 @@ pub fn render(
     stop: &AtomicBool,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<RenderReport, RenderError> {
-    prepare_folder(&request.out)?;
-    let mut lock = FolderLock::take(&request.out)?;
-    refuse_foreign_frames(&request.out, &lock)?;
+    let mut folder = FrameFolder::take(&request.out)?;
     let mut remarks = session.scene.remarks().to_vec();
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
     let scene = session.scene.name().to_owned();
+    let is_far = session.scene.is_far();
     // All of it stands before the first look: what the eye may look at is searched for but once.
     let mut headless = Headless::prepared(session, sizes, shown, |world, stage| {
         world.entity_mut(stage.eye).insert(request.orbit);
@@ -203,8 +206,6 @@ pub fn render(
     let ready_after_s = started.elapsed().as_secs_f64();
 
     let total = frame_count(request.seconds, request.fps);
-    // A killed run has noted its frames; those of another its report counts.
-    let earlier = earlier_frames(&request.out).max(lock.left.unwrap_or(0));
     let before = headless.work();
     let (mut rows, mut times_ms) = (Vec::new(), Vec::new());
     for frame in 0..total {
@@ -220,11 +221,7 @@ pub fn render(
         rows.push(TraceRow::from(&headless.state()));
         let png = encode_png(&picture(&headless, request)?)
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
-        write_whole(&frame_path(&request.out, frame), &png)?;
-        lock.note((frame + 1).max(earlier))?;
-        if frame == 0 {
-            forget_earlier_run(&request.out)?;
-        }
+        folder.put(frame, &png)?;
         progress(frame + 1, total);
     }
     let mut trace = Vec::new();
@@ -232,38 +229,20 @@ pub fn render(
         path: "trace.csv".into(),
         reason: error.to_string(),
     })?;
-    write_whole(&request.out.join("trace.csv"), &trace)?;
+    if !rows.is_empty() {
+        write_whole(&request.out.join("trace.csv"), &trace)?;
+    }
 
     let state = headless.state();
     let captured = headless.percept().captured();
     let candidates = captured.corners.len();
-    if shown[1] && captured.is_empty() {
+    if shown[1] && captured.is_empty() && !is_far {
         remarks.push(nothing_in_view(&scene));
     }
     let frames = rows.len() as u64;
-    let (later, strange) = later_frames(&request.out, frames, earlier)?;
-    if strange > 0 {
-        remarks.push(format!(
-            "{} holds {} that no report counts and that {} not of this run.",
-            request.out.display(),
-            more_frames(strange),
-            if strange == 1 { "is" } else { "are" }
-        ));
-    }
     // Whoever stops a run may want the longer one that was there before.
-    let removed_frames = if frames == total {
-        remove(&later)?
-    } else {
-        if !later.is_empty() {
-            remarks.push(format!(
-                "{} holds {} of an earlier run: this one was stopped before it came to {}.",
-                request.out.display(),
-                more_frames(later.len() as u64),
-                if later.len() == 1 { "it" } else { "them" }
-            ));
-        }
-        0
-    };
+    let after = folder.end(frames, frames == total)?;
+    remarks.extend(after.remarks(&request.out));
     let drawn = !times_ms.is_empty();
     let report = RenderReport {
         version: env!("CARGO_PKG_VERSION"),
@@ -286,15 +265,19 @@ pub fn render(
         frame_ms_median: drawn.then(|| median(&mut times_ms.clone())),
         frame_ms_max: drawn.then(|| times_ms.iter().copied().fold(0.0, f64::max)),
         work: headless.work().since(before),
-        removed_frames,
+        removed_frames: after.removed,
+        left_frames: after.reach,
         remarks,
     };
     let json = serde_json::to_vec_pretty(&report).map_err(|error| WriteError {
         path: "report.json".into(),
         reason: error.to_string(),
     })?;
-    write_whole(&request.out.join("report.json"), &json)?;
-    drop(lock);
+    // A run that was stopped before its first frame leaves what was there.
+    if !rows.is_empty() {
+        write_whole(&request.out.join(REPORT), &[&json, &b"\n"[..]].concat())?;
+    }
+    drop(folder);
     Ok(report)
 }
 
@@ -304,89 +287,6 @@ pub fn nothing_in_view(scene: &str) -> String {
         "Nothing of \"{scene}\" that has a distance is in the view: the eye looks past it, sees its back or its \
          edge, looks through it, or has it nearer than 2 cm."
     )
-}
-
-fn refused(path: &Path, error: &std::io::Error) -> WriteError {
-    WriteError {
-        path: path.display().to_string(),
-        reason: error.to_string(),
-    }
-}
-
-fn more_frames(count: u64) -> String {
-    match count {
-        1 => "1 more frame".into(),
-        many => format!("{many} more frames"),
-    }
-}
-
-/// What is called as this program's frames are and was written by no run of it stays: it may be somebody's film.
-fn refuse_foreign_frames(out: &Path, lock: &FolderLock) -> Result<(), WriteError> {
-    let first = frame_path(out, 0);
-    if lock.left.is_some() || out.join("report.json").exists() || !first.exists() {
-        return Ok(());
-    }
-    Err(WriteError {
-        path: first.display().to_string(),
-        reason: "a picture of this name is there, and no report of an earlier run counts it; choose another \
-                 folder with --out"
-            .into(),
-    })
-}
-
-/// Removes what an earlier run said of its frames, now that they are replaced: a run that fails on the
-/// way must not leave its own beside them.
-fn forget_earlier_run(out: &Path) -> Result<(), WriteError> {
-    for name in ["trace.csv", "report.json"] {
-        let path = out.join(name);
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(refused(&path, &error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}
-
-/// Frames that an earlier run into this folder wrote, as its report says; 0 where there is none.
-fn earlier_frames(out: &Path) -> u64 {
-    let report = std::fs::read(out.join("report.json")).unwrap_or_default();
-    let report: serde_json::Value = serde_json::from_slice(&report).unwrap_or_default();
-    report["frames"].as_u64().unwrap_or(0)
-}
-
-/// Of the frames numbered `frames` and above those that an earlier run left, which wrote `earlier`; and
-/// how many others there are.
-fn later_frames(out: &Path, frames: u64, earlier: u64) -> Result<(Vec<PathBuf>, u64), WriteError> {
-    let (mut later, mut strange) = (Vec::new(), 0);
-    for entry in std::fs::read_dir(out).map_err(|error| refused(out, &error))? {
-        let path = entry.map_err(|error| refused(out, &error))?.path();
-        let number = path
-            .file_name()
-            .and_then(|name| name.to_str()?.strip_prefix("frame_")?.strip_suffix(".png"))
-            .and_then(|digits| digits.parse::<u64>().ok());
-        // Only names that this program gives.
-        let ours = |number: &u64| *number >= frames && frame_path(out, *number) == path;
-        match number.filter(ours) {
-            Some(number) if number < earlier => later.push(path),
-            Some(_) => strange += 1,
-            None => {}
-        }
-    }
-    Ok((later, strange))
-}
-
-/// Removes files; says how many.
-fn remove(paths: &[PathBuf]) -> Result<u64, WriteError> {
-    for path in paths {
-        std::fs::remove_file(path).map_err(|error| refused(path, &error))?;
-    }
-    Ok(paths.len() as u64)
-}
-
-fn frame_path(out: &Path, frame: u64) -> PathBuf {
-    out.join(format!("frame_{frame:05}.png"))
 }
 
 /// Middle value; 0 of none.
@@ -404,46 +304,6 @@ mod tests {
         assert_eq!(frame_count(3.0, 10.0), 30);
         assert_eq!(frame_count(0.001, 1.0), 1);
         assert_eq!(frame_count(0.1, 30.0), 3);
-    }
-
-    #[test]
-    fn only_frames_of_an_earlier_run_are_removed() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let names = ["frame_00000.png", "frame_00001.png", "frame_00007.png"];
-        let others = [
-            "frame_00009.png",
-            "frame_100000.png",
-            "frame_7.png",
-            "frame_00008.jpg",
-            "frame_.png",
-            "notes_00009.png",
-        ];
-        for name in names.iter().chain(&others) {
-            std::fs::write(folder.path().join(name), b"x").expect("written");
-        }
-        let counted = earlier_frames(folder.path());
-        let (later, strange) = later_frames(folder.path(), 2, counted).expect("a folder");
-        assert_eq!((later.len(), strange), (0, 3), "no report counts them");
-        let report = folder.path().join("report.json");
-        std::fs::write(&report, r#"{"frames": 8}"#).expect("written");
-        let counted = earlier_frames(folder.path());
-        let (later, strange) = later_frames(folder.path(), 2, counted).expect("a folder");
-        assert_eq!((remove(&later).expect("removed"), strange), (1, 2));
-        for name in names[..2].iter().chain(&others) {
-            assert!(folder.path().join(name).exists(), "{name}");
-        }
-    }
-
-    #[test]
-    fn what_an_earlier_run_said_is_forgotten() {
-        let folder = tempfile::tempdir().expect("a folder");
-        forget_earlier_run(folder.path()).expect("nothing there");
-        for name in ["trace.csv", "report.json", "notes.txt"] {
-            std::fs::write(folder.path().join(name), b"x").expect("written");
-        }
-        forget_earlier_run(folder.path()).expect("removed");
-        let left = std::fs::read_dir(folder.path()).expect("a folder");
-        assert_eq!(left.count(), 1);
     }
 
     #[test]

@@ -42,7 +42,7 @@
 
 mod veil;
 
-pub use veil::{VEIL_LEVELS, Veil, VeilSource, cubic_spline, stereographic};
+pub use veil::{VEIL_LEVELS, Veil, VeilKernel, VeilSource, cubic_spline, stereographic};
 
 use super::fresnel::clamp_or;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -5,7 +5,7 @@
 //!
 //! Twin: `shaders/lib/output.wgsl`.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Below this the output curve is the identity.
 const OUTPUT_KNEE: f64 = 0.6;
@@ -29,6 +29,22 @@ pub fn output_transform(linear_rgb: DVec3, exposure: f64) -> DVec3 {
     let shoulder = 1.0 - room * room / (peak - OUTPUT_KNEE + room);
     let white = 1.0 - 1.0 / (OUTPUT_DESATURATION * (peak - shoulder) + 1.0);
     (rgb * (shoulder / peak)).lerp(DVec3::splat(shoulder), white)
+}
+
+/// A displayed linear colour, half a code of eight bits up or down by the pixel: interleaved gradient noise
+/// (Jimenez 2014).
+pub fn dithered(linear_rgb: DVec3, pixel: DVec2) -> DVec3 {
+    let noise = (52.9829189
+        * pixel
+            .floor()
+            .dot(DVec2::new(0.06711056, 0.00583715))
+            .fract())
+    .fract();
+    // What a code is in linear light.
+    let code =
+        |linear: f64| (2.2748815 * linear.max(1e-9).powf(1.4 / 2.4)).max(1.0 / 12.92) / 255.0;
+    let moved = linear_rgb + (noise - 0.5) * linear_rgb.map(code);
+    moved.clamp(DVec3::ZERO, DVec3::ONE)
 }
 
 /// sRGB-encoded from linear, both 0 to 1 (input is clamped).

@@ -170,12 +170,12 @@ impl Default for PerceptUniform {
     }
 }
 
-/// What clouded media do to the light (struct `MediaUniform` of `shaders/view/present/media.wgsl`), 96 bytes.
+/// What clouded media do to the light (struct `MediaUniform` of `shaders/view/present/media.wgsl`), 112 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MediaUniform {
     /// Share of the scattered light on each level of the veil's source
-    /// ([`crate::optics::glare::Veil::weights`]).
+    /// ([`crate::optics::glare::Veil::kernel`]).
     pub weights: [[f32; 4]; 4],
     /// Transmittance, linear sRGB.
     pub transmittance: [f32; 3],
@@ -187,9 +187,13 @@ pub struct MediaUniform {
     pub texels_per_radian: f32,
     /// Last level of the source that counts.
     pub last_level: u32,
+    /// Share of the scattered light that stays where it is.
+    pub near: f32,
+    /// Nothing.
+    pub unused: [f32; 3],
 }
 
-const _: () = assert!(size_of::<MediaUniform>() == 96);
+const _: () = assert!(size_of::<MediaUniform>() == 112);
 
 /// View pixels along a side of a pixel of the veil.
 pub const VEIL_SCALE: u32 = 2;

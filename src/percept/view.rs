@@ -6,7 +6,7 @@ use super::frame::{CaptureResult, FieldMap, PerceptReturn};
 use super::gpu_data::{MediaUniform, PerceptUniform};
 use super::places::{candidates_of, direction_of, distance_m, from_the_other_eye};
 use super::sees_as::{SeesAs, Worn};
-use crate::anatomy::{EyeFinder, OcularMedia, Patient};
+use crate::anatomy::{EyeFinder, Patient};
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::{Candidates, GazeController};
@@ -167,9 +167,12 @@ pub struct Percept {
     pub(super) origin: Vec3,
     #[reflect(ignore)]
     pub(super) field: Option<FieldMap>,
-    /// What clouded media do to the light, and of which media in a view of what size that is.
+    /// How clouded media spread light, and of which pigment (its bits) in a view of what size that is.
     #[reflect(ignore)]
-    pub(super) media: Option<(OcularMedia, [u32; 2], f32, MediaUniform)>,
+    pub(super) spread: Option<(SpreadOf, MediaUniform)>,
+    /// What a nucleus of this density lets through, linear sRGB.
+    #[reflect(ignore)]
+    pub(super) colour: Option<(f64, [f32; 3])>,
     #[reflect(ignore)]
     pub(super) shown: Option<(PerceptUniform, Option<MediaUniform>)>,
     #[reflect(ignore)]
@@ -179,6 +182,9 @@ pub struct Percept {
     #[reflect(ignore)]
     pub(super) returned: PerceptReturn,
 }
+
+/// On what it depends where clouded media spread light: the pigment's bits, the picture's size and scale.
+pub(super) type SpreadOf = (u64, [u32; 2], f32);
 
 impl Default for Percept {
     fn default() -> Self {
@@ -210,7 +216,8 @@ impl Default for Percept {
             sight: Sight::default(),
             origin: Vec3::ZERO,
             field: None,
-            media: None,
+            spread: None,
+            colour: None,
             shown: None,
             captured: CaptureResult::default(),
             captured_half: Vec2::ONE,

@@ -156,6 +156,14 @@ impl LoadedScene {
         }
     }
 
+    /// Is it a photograph of which everything is infinitely far away?
+    pub fn is_far(&self) -> bool {
+        match self {
+            Self::Model(_) => false,
+            Self::Photo(photo) => photo.depth_m.is_far(),
+        }
+    }
+
     /// What a user should know about how it was read, one sentence each.
     pub fn remarks(&self) -> &[String] {
         match self {

@@ -65,6 +65,14 @@ impl PhotoDepth {
             Self::Map(_) => None,
         }
     }
+
+    /// Is all of it infinitely far away?
+    pub fn is_far(&self) -> bool {
+        match self {
+            Self::Constant(distance_m) => distance_m.is_infinite(),
+            Self::Map(map) => map.iter().all(|distance_m| distance_m.is_infinite()),
+        }
+    }
 }
 
 /// What a photograph does not say itself.

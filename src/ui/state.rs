@@ -127,6 +127,7 @@ pub(super) fn describe_patient(
 /// Looks whether there is something in the view, whenever it was captured anew.
 pub(super) fn look_for_something(
     view: StageView,
+    stage: Res<Stage>,
     mut state: ResMut<UiState>,
     mut serial: Local<u64>,
 ) {
@@ -136,7 +137,7 @@ pub(super) fn look_for_something(
     let captured = percept.captured();
     if *serial != captured.serial {
         *serial = captured.serial;
-        state.nothing_in_view = captured.is_empty();
+        state.nothing_in_view = captured.is_empty() && !stage.scene.is_far();
     }
 }
 

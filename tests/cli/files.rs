@@ -242,7 +242,11 @@ fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
     for signal in ["-TERM", "-HUP"] {
         fs::create_dir_all(&out).expect("a folder");
         fs::write(&longer, "a picture").expect("written");
-        fs::write(files.path("out/report.json"), r#"{"frames": 60000}"#).expect("written");
+        fs::write(
+            files.path("out/report.json"),
+            r#"{"version": "0.1.0", "fps": 20, "frames": 60000}"#,
+        )
+        .expect("written");
         let mut running = program(&long)
             .stderr(std::process::Stdio::null())
             .spawn()

@@ -2,6 +2,7 @@
 
 use super::{between, pass, v3};
 use crate::gpu::Twin;
+use glam::DVec2;
 use ocularium::optics::{defocus, fresnel, microfacet, output};
 
 #[test]
@@ -92,6 +93,26 @@ fn output() {
         absolute: 5e-7,
         relative: 0.0,
         steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "dithered",
+        library: &["output"],
+        call: &call("dithered(vec3f(x[0], x[1], x[2]), vec2f(x[3], x[4]))"),
+        draw: &|rng| {
+            let mut x: Vec<f32> = (0..3).map(|_| between(rng, 0.0, 1.0)).collect();
+            x.extend((0..2).map(|_| between(rng, 0.0, 512.0)));
+            x
+        },
+        exact: &|x| {
+            output::dithered(v3(x), DVec2::new(x[3], x[4]))
+                .to_array()
+                .to_vec()
+        },
+        // A sum of up to 40 carries 4e-6, times 53 of a code of up to 0.009.
+        absolute: 4e-6,
+        relative: 0.0,
+        // Where the noise begins anew.
+        steep_share: 0.002,
     });
     pass(&Twin {
         name: "linear_to_srgb",

@@ -219,8 +219,8 @@ fn spread_near(place: vec2<f32>, centre: vec4<f32>, own: vec3<f32>, own_sigma: f
     return mix(own, covered.rgb / max(covered.a, 1e-6), alpha);
 }
 
-// Linear radiance seen at a place of the view.
-fn seen_radiance(place: vec2<f32>) -> vec3<f32> {
+// Linear radiance that reaches the retina from a place of the view.
+fn retinal_radiance(place: vec2<f32>) -> vec3<f32> {
     let centre = sample_view(place, 0.0);
     let sigma = 0.25 * blur_at(place);
     var colour = gather_own(place, centre, sigma);
@@ -228,6 +228,17 @@ fn seen_radiance(place: vec2<f32>) -> vec3<f32> {
     if near > max(sigma, 0.5) {
         colour = spread_near(place, centre, colour, max(sigma, 0.5), near);
     }
+#ifdef MEDIA
+    let veiled = textureSampleLevel(veil, view_sampler, place / vec2<f32>(percept.size), 0.0).rgb;
+    let scattered = media.near * colour + (1.0 - media.near) * veiled;
+    colour = media.transmittance * mix(colour, scattered, media.scattered);
+#endif
+    return colour;
+}
+
+// What is seen of it.
+fn seen_radiance(place: vec2<f32>) -> vec3<f32> {
+    var colour = retinal_radiance(place);
 #ifdef FIELD_LOSS
     let tan_half_fov = vec2<f32>(percept.tan_half_fov_x, percept.tan_half_fov_y);
     let ray = view_ray(place, vec2<f32>(percept.size), tan_half_fov);
@@ -259,6 +270,10 @@ fn shown(radiance: vec3<f32>, position: vec2<f32>) -> vec4<f32> {
     if percept.display_referred == 0u {
         colour = output_transform(radiance, percept.exposure);
     }
+#ifdef MEDIA
+    // A veil is so smooth that the codes of a picture show as contours.
+    colour = dithered(colour, position);
+#endif
     return vec4<f32>(mix(colour, vec3<f32>(0.02, 0.85, 0.25), 0.85 * marker_coverage(position)), 1.0);
 }
 
@@ -283,12 +298,7 @@ fn present(input: FullScreen) -> @location(0) vec4<f32> {
     let open = eyelid_transmission(slope, upper, lower, 500.0 * percept.pupil_m);
     var radiance = (1.0 - open) * eyelid_glow();
     if open > 0.0 {
-        var seen = seen_radiance(uv * vec2<f32>(percept.size));
-#ifdef MEDIA
-        let scattered = textureSampleLevel(veil, view_sampler, uv, 0.0).rgb;
-        seen = media.transmittance * mix(seen, scattered, media.scattered);
-#endif
-        radiance += open * seen;
+        radiance += open * seen_radiance(uv * vec2<f32>(percept.size));
     }
     return shown(radiance, input.position.xy);
 }

@@ -6,4 +6,5 @@ struct MediaUniform {
     source_size: vec2<u32>,         // texels
     texels_per_radian: f32,         // of the source
     last_level: u32,                // of the source
+    near: f32,                      // share of the scattered light that stays where it is
 };

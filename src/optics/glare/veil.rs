@@ -17,12 +17,14 @@
 //! squares of relative errors (Lee and Seung's multiplicative steps, 2001).
 
 use super::Glare;
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Angle at which the added straylight is given, rad.
 const STATED_AT_RAD: f64 = 7.0 * core::f64::consts::PI / 180.0;
-/// Angles between which a kernel is fitted, how many, and in how many steps.
+/// Angles between which a kernel is fitted, how many, and in how many steps. Where texels are coarse it
+/// begins at two of them.
 const FITTED_RAD: (f64, f64) = (0.7 * PI / 180.0, 35.0 * PI / 180.0);
+const FIRST_TEXELS: f64 = 2.0;
 const FITTED_ANGLES: usize = 64;
 const FIT_STEPS: usize = 400;
 /// Gaussians that a kernel may have.
@@ -159,6 +161,19 @@ fn read_along(texels: &[f64], share: f64) -> f64 {
         .sum()
 }
 
+/// Rings in which what is scattered less than is fitted is summed.
+const NEAR_RINGS: usize = 32;
+
+/// Where scattered light goes in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VeilKernel {
+    /// Shares of it on the levels of the source. With `near` they are 1 at most; what they lack goes to what
+    /// lies around the picture.
+    pub weights: [f64; VEIL_LEVELS],
+    /// Share of it that is scattered too little to leave its place.
+    pub near: f64,
+}
+
 /// What clouded media scatter beyond a healthy eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Veil {
@@ -215,13 +230,12 @@ impl Veil {
         self.added / self.unit * energy
     }
 
-    /// Shares of the scattered light on the levels of the source of a picture of this size and
-    /// `pixels_per_radian` at its middle; what they lack of 1 goes to what lies around the picture. How
-    /// much is scattered does not change them.
-    pub fn weights(&self, pixels_per_radian: f64, size_px: [u32; 2]) -> [f64; VEIL_LEVELS] {
+    /// How the scattered light is spread over a picture of this size with `pixels_per_radian` at its middle.
+    /// How much is scattered does not change it.
+    pub fn kernel(&self, pixels_per_radian: f64, size_px: [u32; 2]) -> VeilKernel {
         let mut weights = [0.0; VEIL_LEVELS];
         if self.added == 0.0 {
-            return weights;
+            return VeilKernel { weights, near: 1.0 };
         }
         let source = VeilSource::new(pixels_per_radian, size_px);
         let last = source.last_level();
@@ -253,11 +267,12 @@ impl Veil {
                 0.0
             }
         };
+        let first = FITTED_RAD.0.max(FIRST_TEXELS / source.texels_per_radian);
         // Each level over the function, at every angle.
         let rows: Vec<[f64; VEIL_LEVELS]> = (0..FITTED_ANGLES)
             .map(|i| {
                 let share = i as f64 / (FITTED_ANGLES - 1) as f64;
-                let theta = FITTED_RAD.0 * (FITTED_RAD.1 / FITTED_RAD.0).powf(share);
+                let theta = first * (FITTED_RAD.1.max(first) / first).powf(share);
                 let u = 2.0 * (0.5 * theta).tan();
                 let wanted = self.spread(theta) / self.scattered;
                 core::array::from_fn(|level| {
@@ -293,10 +308,24 @@ impl Veil {
                 }
             }
         }
-        let kept: f64 = weights.iter().sum();
+        // What is scattered by less than that, and not drawn so, stays where it is.
+        let step = first / NEAR_RINGS as f64;
+        let drawn: f64 = (0..NEAR_RINGS)
+            .map(|ring| {
+                let theta = (ring as f64 + 0.5) * step;
+                let u = 2.0 * (0.5 * theta).tan();
+                let bells = weights.iter().enumerate().take(last + 1);
+                let radiance: f64 = bells.map(|(level, w)| w * at_level(level, u)).sum();
+                radiance * TAU * theta.sin() * step
+            })
+            .sum();
+        let near = (self.energy_within(first) / self.scattered - drawn).clamp(0.0, 1.0);
         // No more than there is, should a picture be so coarse that its levels fit badly.
-        let share = kept.max(1.0);
-        weights.map(|weight| weight / share)
+        let share = (weights.iter().sum::<f64>() + near).max(1.0);
+        VeilKernel {
+            weights: weights.map(|weight| weight / share),
+            near: near / share,
+        }
     }
 }
 
@@ -322,20 +351,45 @@ mod tests {
                 let scattered = veil.scattered();
                 assert!((0.0..=1.0).contains(&scattered));
                 assert!((veil.energy_within(FRAC_PI_2) - scattered).abs() < 1e-9);
-                let weights = veil.weights(600.0, [640, 480]);
-                assert!(
-                    weights
-                        .iter()
-                        .all(|weight| weight.is_finite() && *weight >= 0.0)
-                );
-                assert!(weights.iter().sum::<f64>() <= 1.0 + 1e-12);
+                let VeilKernel { weights, near } = veil.kernel(600.0, [640, 480]);
+                let all = weights.iter().chain([&near]);
+                assert!(all.clone().all(|share| share.is_finite() && *share >= 0.0));
+                assert!(all.sum::<f64>() <= 1.0 + 1e-12);
             }
+        }
+    }
+
+    /// What the levels of a picture hold is at least what the function has as far as the picture goes, and never
+    /// more than there is. (Bells that reach past the picture hold some of what lies there, which the shader
+    /// takes back.)
+    #[test]
+    fn the_kernel_has_the_energy_of_the_function() {
+        let veil = Veil::new(10.0, 0.5);
+        for (scale, size) in [
+            (533.0, [640, 640]),
+            (533.0, [480, 360]),
+            (250.0, [320, 240]),
+            (64.0, [100, 60]),
+            (53.0, [320, 320]),
+            (5000.0, [640, 480]),
+        ] {
+            let kernel = veil.kernel(scale, size);
+            let held = kernel.near + kernel.weights.iter().sum::<f64>();
+            let within = |angle: f64| veil.energy_within(angle) / veil.scattered();
+            let side = 0.5 * f64::from(size[0].min(size[1]));
+            let least = within((side / scale).atan().min(FITTED_RAD.1));
+            println!(
+                "{scale} {size:?}: {held:.3}, at least {least:.3}, near {:.3}",
+                kernel.near
+            );
+            assert!(held > least - 0.03 && held < 1.0 + 1e-12, "{held}");
+            assert!(kernel.near < within(FITTED_RAD.0.max(4.0 / scale)) + 1e-12);
         }
     }
 
     #[test]
     fn how_much_is_scattered_does_not_change_how_it_is_spread() {
-        let of = |straylight| Veil::new(straylight, 0.5).weights(500.0, [320, 240]);
+        let of = |straylight| Veil::new(straylight, 0.5).kernel(500.0, [320, 240]).weights;
         for (little, much) in of(0.5).iter().zip(of(50.0)) {
             assert!((little - much).abs() < 1e-9, "{little} {much}");
         }

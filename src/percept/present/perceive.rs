@@ -34,27 +34,34 @@ const LOSS_DESATURATION: f32 = 0.5;
 const LOSS_BLINDNESS_POWER: i32 = 4;
 
 impl Percept {
-    /// What these media do to light through an entrance pupil of this diameter (mm). How it is spread and
-    /// coloured is worked out where something else than the pupil has changed.
+    /// What these media do to light through an entrance pupil of this diameter (mm). How it is spread is worked
+    /// out where the picture's size or the pigment has changed, as is its colour where the media have.
     fn media_uniform(
         &mut self,
         media: &OcularMedia,
         entrance_mm: f64,
         uniform: &PerceptUniform,
     ) -> MediaUniform {
-        let scale = uniform.pixels_per_radian;
-        let mut found = match &self.media {
-            Some((of, size, at, known)) if (of, *size, *at) == (media, uniform.size, scale) => {
-                *known
-            }
+        let pigment = media.pigment;
+        let of = (pigment.to_bits(), uniform.size, uniform.pixels_per_radian);
+        let mut found = match &self.spread {
+            Some((known, spread)) if *known == of => *spread,
             _ => {
-                let found = media_uniform(media, uniform);
-                self.media = Some((*media, uniform.size, scale, found));
-                found
+                let spread = spread_over(pigment, uniform);
+                self.spread = Some((of, spread));
+                spread
+            }
+        };
+        found.transmittance = match &self.colour {
+            Some((density, colour)) if *density == media.nuclear_density => *colour,
+            _ => {
+                let colour = media.transmittance().to_array();
+                self.colour = Some((media.nuclear_density, colour));
+                colour
             }
         };
         let straylight = media.straylight_through(entrance_mm);
-        found.scattered = Veil::new(straylight, media.pigment).scattered() as f32;
+        found.scattered = Veil::new(straylight, pigment).scattered() as f32;
         found
     }
 }
@@ -326,21 +333,21 @@ fn photo_uniform(laid: &LaidOut, pose: Isometry3d) -> PhotoUniform {
     }
 }
 
-/// How clouded media spread and colour the light of a view with these numbers.
-fn media_uniform(media: &OcularMedia, uniform: &PerceptUniform) -> MediaUniform {
+/// How media with this pigment spread light over a view with these numbers.
+fn spread_over(pigment: f64, uniform: &PerceptUniform) -> MediaUniform {
     let scale = uniform.pixels_per_radian.into();
     let source = VeilSource::new(scale, uniform.size);
     // How much light it is makes no difference to where it goes.
-    let weights = Veil::new(1.0, media.pigment).weights(scale, uniform.size);
+    let kernel = Veil::new(1.0, pigment).kernel(scale, uniform.size);
     MediaUniform {
         weights: std::array::from_fn(|row| {
-            std::array::from_fn(|column| weights[4 * row + column] as f32)
+            std::array::from_fn(|column| kernel.weights[4 * row + column] as f32)
         }),
-        transmittance: media.transmittance().to_array(),
-        scattered: 0.0,
+        near: kernel.near as f32,
         source_size: source.size,
         texels_per_radian: source.texels_per_radian as f32,
         last_level: source.last_level() as u32,
+        ..MediaUniform::default()
     }
 }
 
