@@ -447,7 +447,7 @@ const CHANGES: &[Change] = &[
             let mut lights = w.query::<&mut EyeLight>();
             for mut light in lights.iter_mut(w) {
                 *light = EyeLight::Studio(Studio {
-                    key_color: Vec3::new(0.2, 0.9, 0.3),
+                    light: StudioLight::Lamp,
                     ..Studio::default()
                 });
             }

@@ -239,12 +239,14 @@ fn the_eyes_entry_files_bind_and_call() {
     assert_eq!(
         functions,
         [
+            "ambient",
             "footprint_at",
             "fragment",
             "fragment",
             "fragment",
             "fragment",
             "head_from_eye",
+            "mirrored",
             "shown",
             "through_cornea",
             "vertex"

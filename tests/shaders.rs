@@ -97,6 +97,7 @@ fn compose(text: &str, name: &str, set: &[&String]) -> Result<naga::Module, Stri
         .map(|define| ((*define).clone(), ShaderDefValue::Bool(true)))
         .collect();
     shader_defs.insert("MATERIAL_BIND_GROUP".into(), ShaderDefValue::UInt(3));
+    shader_defs.insert("LAMPS".into(), ShaderDefValue::UInt(2));
     // The groups of what an eye has that a healthy one has not, as the passes count them.
     let effects = ["FIELD_LOSS", "MEDIA"];
     for (group, effect) in (1..).zip(effects.iter().filter(|e| set.iter().any(|d| d == *e))) {

@@ -2,6 +2,7 @@
 
 use bevy::math::UVec2;
 use image::RgbaImage;
+use ocularium::appearance::StudioLight;
 use ocularium::frame::SimulationClock;
 use ocularium::frame::readiness::Readiness;
 use ocularium::lab::headless::Headless;
@@ -35,6 +36,7 @@ pub fn session(patient: PatientFile, seed: u64) -> Session {
         patient,
         scene: room.clone(),
         seed,
+        light: StudioLight::default(),
     }
 }
 

@@ -43,10 +43,37 @@ fn footprint_at(distance_mm: f32) -> f32 {
     return pixel_footprint(distance_mm, view.clip_from_view[1][1], view.viewport.w);
 }
 
+// The light, the same for every part of an eye.
+@group(#{MATERIAL_BIND_GROUP}) @binding(10) var<uniform> illumination: Illumination;
+// Radiance by direction, see `surroundings_uv`.
+@group(#{MATERIAL_BIND_GROUP}) @binding(11) var around_map: texture_2d<f32>;
+@group(#{MATERIAL_BIND_GROUP}) @binding(12) var around_sampler: sampler;
+
+// How many lamps are looked at: a number of the pipeline, so that software rasterisers unroll what is done
+// for each. Those that are not there give no light.
+const LAMPS: i32 = i32(#{LAMPS});
+
+// Radiance from the unit direction d of the head frame.
+fn mirrored(d: vec3<f32>, blur: f32) -> vec3<f32> {
+    var radiance = surroundings_radiance(around_map, around_sampler, d, blur);
+#ifdef BARE_LAMPS
+    // Some stand in no map.
+    for (var i = 0; i < LAMPS; i++) {
+        radiance += lamp_radiance(illumination.lamps[i], d, blur);
+    }
+#endif
+    return radiance;
+}
+
+// Irradiance / pi from the surroundings on a surface of normal n of the head frame.
+fn ambient(n: vec3<f32>) -> vec3<f32> {
+    return ambient_light(illumination.ambient, n);
+}
+
 // Radiance as this camera wants it: under its exposure, and through the output transform where it has
 // none of its own.
-fn shown(studio: Studio, radiance: vec3<f32>) -> vec3<f32> {
-    let exposure = studio.exposure * mix(1.0, view.exposure, studio.is_luminance);
+fn shown(radiance: vec3<f32>) -> vec3<f32> {
+    let exposure = illumination.exposure * mix(1.0, view.exposure, illumination.is_luminance);
 #ifdef RADIANCE
     return radiance * exposure;
 #else

@@ -7,7 +7,6 @@
 // concentration by the cornea is the Jacobian of that path.
 
 struct Globe {
-    studio: Studio,
     lids: Lids,
     // Rotation from the eye frame to the head frame, columns.
     head_from_eye: mat4x4<f32>,
@@ -68,13 +67,23 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     }
     let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm);
     let place = iris_place(trace.point.xy, iris);
-    let lit = iris_radiance(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.studio, head_from_eye(), trace.point.xy, trace.direction, place, footprint, shade);
+    let surface = iris_surface(iris_map, iris_sampler, iris, trace.point.xy, trace.direction, place, footprint);
+    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface) * ambient(-head_from_eye()[2]) * shade.sky;
+    var lamps = vec3f(0.0);
+    for (var i = 0; i < LAMPS; i++) {
+        let lamp = illumination.lamps[i];
+        let color = lamp.color * shade.key;
+        // A row times the turn into the head is the column times the turn out of it.
+        lit += color * iris_lamp(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, surface, lamp.direction * head_from_eye());
+        lamps += color;
+    }
+    lit = iris_edges(lit, surface.place.uv.y);
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
 #ifdef CLOUDED
     lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, trace.direction.xy / max(trace.direction.z, 0.2), globe.lens_turn);
 #endif
-    let inside = iris_and_pupil(pupil_radiance(globe.studio, lens, shade), lit, edge, place.uv.y);
+    let inside = iris_and_pupil(pupil_radiance(lamps, lens), lit, edge, place.uv.y);
     return inside * trace.transmittance;
 }
 #endif
@@ -112,22 +121,36 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     shade.key = mix(shade.key, in.tissue.a, in.tissue.b);
 #endif
     let footprint = footprint_at(distance(p, camera));
-    let sclera = sclera_shade(sclera_map, sclera_sampler, p, normal, footprint, globe.sclera_radius_mm, globe.studio, head_from_eye(), shade);
-    var diffuse = sclera.diffuse;
-    var wet_normal = sclera.normal;
+    let v_head = head_from_eye() * -direction;
+    var diffuse = vec3f(0.0);
+    var specular = vec3f(0.0);
+    var wet_normal = normal;
+    if corneal < 1.0 {
+        let sclera = sclera_surface(sclera_map, sclera_sampler, p, normal, footprint, globe.sclera_radius_mm);
+        wet_normal = normalize(mix(sclera.normal, normal, corneal));
+        let n_white = head_from_eye() * sclera.normal;
+        let n_wet = head_from_eye() * wet_normal;
+        var light = ambient(n_white) * shade.sky;
+        for (var i = 0; i < LAMPS; i++) {
+            let lamp = illumination.lamps[i];
+            light += lamp.color * shade.key * sclera_lamp(dot(n_white, lamp.direction));
+            let alpha = lamp_alpha(0.24, 0.0625 * lamp.radius);
+            specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * shade.key * (1.0 - corneal));
+        }
+        diffuse = sclera.albedo * light * sclera_lid_bounce(shade);
+    }
 #ifdef CONJUNCTIVA
     diffuse *= conjunctiva_filter(globe.flesh, in.tissue.b);
 #endif
 #ifdef CORNEA
-    diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * limbus_tint(corneal);
-    wet_normal = normalize(mix(sclera.normal, normal, corneal));
+    if corneal > 0.0 {
+        diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * limbus_tint(corneal);
+    }
 #endif
 
     let n_head = normalize(head_from_eye() * wet_normal);
-    let v_head = head_from_eye() * -direction;
-    let key = globe.studio.key_direction;
-    var specular = tear_reflection(globe.studio, n_head, v_head, mix(0.16, 0.012, corneal), globe.lipid_nm, shade.upper_gap);
-    let broken = globe.studio.key_color * lamp_lobe(n_head, v_head, key, lamp_alpha(0.24, 0.25 * (globe.studio.key_radius * 0.25)), 1.336, 1e-3);
-    specular += broken * shade.key * (1.0 - corneal);
-    return vec4f(shown(globe.studio, diffuse + specular), 1.0);
+    let blur = mix(0.16, 0.012, corneal);
+    let around = mirrored(reflect(-v_head, n_head), blur);
+    specular += tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, globe.lipid_nm, shade.upper_gap);
+    return vec4f(shown(diffuse + specular), 1.0);
 }

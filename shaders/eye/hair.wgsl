@@ -1,7 +1,6 @@
 // Lashes and brow hairs: dark fibres with the two highlights of Kajiya and Kay.
 
 struct Hair {
-    studio: Studio,
     // Colour at the root, linear sRGB.
     root: vec3<f32>,
     // Colour at the tip.
@@ -16,6 +15,10 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     // tissue: xyz the direction of the fibre, w 0 at the root and 1 at the tip.
     let along = normalize(in.tissue.xyz + vec3(0.0, 1e-5, 0.0));
     let color = mix(hair.root, hair.tip, in.tissue.w);
-    let radiance = hair_radiance(hair.studio, color, along, v);
-    return vec4(shown(hair.studio, radiance), 1.0);
+    var radiance = hair_ambient(color, ambient(vec3(0.0, 0.3, -0.9)));
+    for (var i = 0; i < LAMPS; i++) {
+        let lamp = illumination.lamps[i];
+        radiance += lamp.color * hair_lamp(color, along, v, lamp.direction);
+    }
+    return vec4(shown(radiance), 1.0);
 }

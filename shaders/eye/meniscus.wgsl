@@ -2,7 +2,6 @@
 // Added to what lies below: only its reflections show.
 
 struct Meniscus {
-    studio: Studio,
     // How strongly it mirrors (height of the meniscus against its mean).
     strength: f32,
 };
@@ -12,7 +11,9 @@ struct Meniscus {
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
-    let radiance = meniscus_reflection(meniscus.studio, normalize(in.normal), v) * meniscus.strength;
+    let n = normalize(in.normal);
+    let around = mirrored(reflect(-v, n), 0.05);
+    let radiance = meniscus_reflection(around, n, v) * meniscus.strength;
     // Added in display space, so keep the tone curve's small-signal slope of one.
-    return vec4(shown(meniscus.studio, radiance), 0.0);
+    return vec4(shown(radiance), 0.0);
 }

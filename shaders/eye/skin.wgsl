@@ -1,7 +1,6 @@
 // The skin of the lids and around them, the wet lid margin and the caruncle.
 
 struct Skin {
-    studio: Studio,
     // Linear sRGB.
     albedo: vec3<f32>,
     // Of its sheen.
@@ -34,6 +33,18 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let coarse = textureSampleLevel(skin_map, skin_sampler, q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
     let n = skin_normal(normalize(in.normal), v, in.tissue, skin.pores, fine, coarse);
     let albedo = skin_albedo(skin.albedo, skin.flesh, in.tissue, fine, coarse, length(p), skin.globe_radius_mm);
-    let radiance = albedo * skin_light(skin.studio, n, in.tissue) + skin_specular(skin.studio, n, v, in.tissue, skin.roughness);
-    return vec4(shown(skin.studio, radiance), 1.0);
+    var light = ambient(n) * skin_openness(in.tissue);
+    var sheen = vec3(0.0);
+    for (var i = 0; i < LAMPS; i++) {
+        let lamp = illumination.lamps[i];
+        light += lamp.color * skin_lamp(n, in.tissue, lamp.direction);
+        sheen += lamp.color * skin_lamp_sheen(n, v, in.tissue, skin.roughness, lamp.direction, lamp.radius);
+    }
+    let r = reflect(-v, n);
+    var around = vec3(0.0);
+    if in.tissue.r > 0.02 {
+        around = mirrored(r, 0.10);
+    }
+    let radiance = albedo * light + skin_specular(sheen, ambient(r), around, n, v, in.tissue);
+    return vec4(shown(radiance), 1.0);
 }

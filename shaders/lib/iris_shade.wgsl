@@ -1,4 +1,4 @@
-// needs: studio.wgsl, lid_shade.wgsl, iris_light.wgsl, iris_relief.wgsl
+// needs: iris_light.wgsl, iris_relief.wgsl
 //
 // The light that iris and pupil send back. Eye frame, millimetres.
 // Twin: src/appearance/shading/iris_shade.rs.
@@ -26,47 +26,47 @@ fn iris_openness(height: f32) -> f32 {
     return clamp(0.80 + height * 2.2, 0.35, 1.15);
 }
 
-// Radiance of the iris where a refracted ray lands at `point` of its plane, `start` being that point's
-// place in the map.
-fn iris_radiance(
-    map: texture_2d<f32>,
-    polar: sampler,
-    reflectance_map: texture_2d<f32>,
-    light_table: texture_2d<f32>,
-    linear: sampler,
-    iris: IrisFrame,
-    studio: Studio,
-    head_from_eye: mat3x3f,
-    point: vec2f,
-    direction: vec3f,
-    start: IrisPlace,
-    footprint: f32,
-    shade: LidShade,
-) -> vec3f {
+// Where a refracted ray meets the iris, what is there, and how it is turned to the ray.
+struct IrisSurface { at: vec2f, place: IrisPlace, texel: IrisTexel, normal: vec3f, view_cosine: f32, lod: f32 };
+
+// Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
+// in the map.
+fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, direction: vec3f, start: IrisPlace, footprint: f32) -> IrisSurface {
     let lod = iris_level(vec2f(textureDimensions(map)), footprint, length(point), iris_width(iris));
     // The next coarser level, by its number: between two, devices break ties differently.
     let moved = relief_march(map, polar, start, direction, ceil(lod));
     let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
     let texel = iris_texel(map, polar, place.uv, lod);
     let normal = relief_normal(map, polar, place, texel.height, footprint, lod, iris.relief);
-    let view_cosine = max(-dot(normal, direction), 0.2);
-
-    // A row times the turn into the head is the column times the turn out of it.
-    let key = iris_light(light_table, linear, studio.key_direction * head_from_eye, point + moved, iris.root, iris.limbus);
-    let fill = iris_light(light_table, linear, studio.fill_direction * head_from_eye, point + moved, iris.root, iris.limbus);
-    let shadow = relief_shadow(map, polar, place, texel.height, key.xyz, lod);
-    let path = iris_path(texel.thickness, key.z, view_cosine);
-    let reflectance = textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, texel.melanin), 0.0).rgb;
-
-    var light = studio.key_color * (key.w * relief_gain(normal, key.xyz) * shadow * shade.key);
-    light += studio.fill_color * (fill.w * relief_gain(normal, fill.xyz) * shade.sky);
-    light += studio_ambient(studio, -head_from_eye[2]) * (iris_openness(texel.height) * shade.sky * 0.92);
-    return iris_edges(reflectance * light, place.uv.y);
+    return IrisSurface(point + moved, place, texel, normal, max(-dot(normal, direction), 0.2), lod);
 }
 
-// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' light.
-fn pupil_radiance(studio: Studio, lens: vec3f, shade: LidShade) -> vec3f {
-    let light = (studio.key_color + studio.fill_color) * shade.key;
+// Reflectance of tissue on the path of light that arrives with this z.
+fn iris_reflectance(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface, towards_z: f32) -> vec3f {
+    let path = iris_path(surface.texel.thickness, towards_z, surface.view_cosine);
+    return textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, surface.texel.melanin), 0.0).rgb;
+}
+
+// What the iris sends back of a lamp with an irradiance / pi of one in the unit direction `light` of the eye
+// frame.
+fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, light_table: texture_2d<f32>, linear: sampler, iris: IrisFrame, surface: IrisSurface, light: vec3f) -> vec3f {
+    let arrives = iris_light(light_table, linear, light, surface.at, iris.root, iris.limbus);
+    let shadow = relief_shadow(map, polar, surface.place, surface.texel.height, arrives.xyz, surface.lod);
+    let gain = arrives.w * relief_gain(surface.normal, arrives.xyz) * shadow;
+    return gain * iris_reflectance(reflectance_map, linear, surface, arrives.z);
+}
+
+// Mean cosine in the aqueous of light from all of the sky before an eye: cosines beyond the critical angle
+// do not occur.
+const IRIS_SKY_COSINE: f32 = 0.87;
+
+// What the iris sends back of surroundings with an irradiance / pi of one.
+fn iris_ambient(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface) -> vec3f {
+    return 0.92 * iris_openness(surface.texel.height) * iris_reflectance(reflectance_map, linear, surface, -IRIS_SKY_COSINE);
+}
+
+// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' `light`.
+fn pupil_radiance(light: vec3f, lens: vec3f) -> vec3f {
     return vec3f(0.0016, 0.0013, 0.0012) + light * lens;
 }
 

@@ -33,7 +33,7 @@ fn capsule_cloud(place_mm: vec2<f32>, radius_mm: f32) -> f32 {
 fn lens_cloud(nucleus: vec3<f32>, capsule: vec3<f32>, capsule_radius_mm: f32, cortical_share: f32, place_mm: vec2<f32>, slope: vec2<f32>, turn: f32) -> vec3<f32> {
     let middle = 1.0 - smoothstep(0.7, 1.25, length(place_mm + slope * NUCLEUS_DEPTH_MM) / NUCLEUS_RADIUS_MM);
     var color = nucleus * (0.25 + 0.75 * middle);
-    // Not by the uniforms alone, as `studio_radiance` says.
+    // Not by the uniforms alone, as `lamp_radiance` says.
     let behind = place_mm + slope * CAPSULE_DEPTH_MM;
     if capsule_radius_mm * (LENS_RADIUS_MM - length(behind)) > 0.0 {
         color += capsule * capsule_cloud(behind, capsule_radius_mm);

@@ -1,12 +1,12 @@
-// needs: studio.wgsl, lid_shade.wgsl, footprint.wgsl
+// needs: surroundings.wgsl, lid_shade.wgsl, footprint.wgsl
 //
-// The sclera's diffuse light. Eye frame, millimetres; `head_from_eye` turns into the head frame.
+// The sclera's diffuse light. Eye frame, millimetres.
 // Twin: src/appearance/shading/sclera_shade.rs.
 
 // The map is azimuthal equidistant from the front, to 100 degrees.
 const SCLERA_HALF_ANGLE: f32 = 1.7453293;
 
-struct ScleraShade { diffuse: vec3f, normal: vec3f };
+struct ScleraSurface { albedo: vec3f, normal: vec3f };
 
 fn sclera_uv(p: vec3f) -> vec2f {
     let n = normalize(p);
@@ -22,18 +22,10 @@ fn sclera_normal(normal: vec3f, here: f32, right: f32, above: f32) -> vec3f {
     return normalize(normal - vec3f(bump, 0.0));
 }
 
-// Irradiance / pi under a normal n of the eye frame.
-fn sclera_light(studio: Studio, head_from_eye: mat3x3f, n: vec3f, shade: LidShade) -> vec3f {
-    let key_cosine = dot(n, studio.key_direction * head_from_eye);
-    let fill_cosine = dot(n, studio.fill_direction * head_from_eye);
-    // Light travels under the surface: red furthest.
-    let wrap = vec3f(0.42, 0.30, 0.24);
-    var light = studio_ambient(studio, head_from_eye * n) * shade.sky;
-    for (var c = 0; c < 3; c++) {
-        light[c] += studio.key_color[c] * wrapped_cosine(key_cosine, wrap[c]) * shade.key;
-        light[c] += studio.fill_color[c] * wrapped_cosine(fill_cosine, wrap[c]) * shade.sky;
-    }
-    return light;
+// What the white takes up of a lamp with an irradiance / pi of one, at this cosine: light travels under the
+// surface, red furthest.
+fn sclera_lamp(cosine: f32) -> vec3f {
+    return wrapped_cosines(cosine, vec3f(0.42, 0.30, 0.24));
 }
 
 // What the lids reflect back is warm, most of it near their margins.
@@ -51,18 +43,8 @@ fn conjunctiva_filter(flesh: vec3f, share: f32) -> vec3f {
     return pow(flesh / SCLERA_WHITE, vec3f(clamp(share, 0.0, 1.0)));
 }
 
-// Light and normal at a point p; `map` holds the albedo and in its last channel the height.
-fn sclera_shade(
-    map: texture_2d<f32>,
-    linear: sampler,
-    p: vec3f,
-    normal: vec3f,
-    footprint: f32,
-    sclera_radius: f32,
-    studio: Studio,
-    head_from_eye: mat3x3f,
-    shade: LidShade,
-) -> ScleraShade {
+// Albedo and normal at a point p; `map` holds the albedo and in its last channel the height.
+fn sclera_surface(map: texture_2d<f32>, linear: sampler, p: vec3f, normal: vec3f, footprint: f32, sclera_radius: f32) -> ScleraSurface {
     let uv = sclera_uv(p);
     let texels = f32(textureDimensions(map).x);
     let lod = footprint_level(footprint, 2.0 * SCLERA_HALF_ANGLE * sclera_radius / texels);
@@ -70,7 +52,5 @@ fn sclera_shade(
     let step = 1.5 / texels;
     let right = textureSampleLevel(map, linear, uv + vec2f(step, 0.0), lod).a;
     let above = textureSampleLevel(map, linear, uv + vec2f(0.0, step), lod).a;
-    let n = sclera_normal(normal, here.a, right, above);
-    let light = sclera_light(studio, head_from_eye, n, shade);
-    return ScleraShade(here.rgb * light * sclera_lid_bounce(shade), n);
+    return ScleraSurface(here.rgb, sclera_normal(normal, here.a, right, above));
 }

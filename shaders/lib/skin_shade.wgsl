@@ -1,4 +1,4 @@
-// needs: studio.wgsl, fresnel.wgsl, lamp_lobe.wgsl
+// needs: surroundings.wgsl, fresnel.wgsl, lamp_lobe.wgsl
 //
 // The skin of the lids and around them, the wet lid margin and the caruncle. Light scatters under the
 // skin: red travels furthest, so terminators and shadows turn red, and thin lids glow a little. The
@@ -34,21 +34,19 @@ fn skin_albedo(skin: vec3f, flesh: vec3f, tissue: vec4f, fine: vec4f, coarse: ve
     return mix(albedo, vec3f(0.70, 0.59, 0.54), onto_globe * (1.0 - 0.75 * tissue.b));
 }
 
-// Irradiance / pi, and what passes through a thin lid from behind its edge.
-fn skin_light(studio: Studio, n: vec3f, tissue: vec4f) -> vec3f {
+// What skin takes up of a lamp with an irradiance / pi of one from the unit direction l, and what passes
+// through a thin lid from behind its edge.
+fn skin_lamp(n: vec3f, tissue: vec4f, l: vec3f) -> vec3f {
     let thin = clamp(tissue.g, 0.0, 1.0);
-    let open = clamp(tissue.a, 0.0, 1.0);
-    let key = studio.key_direction;
-    let fill = studio.fill_direction;
-    let wrap = vec3f(0.48, 0.28, 0.20);
-    var light = studio_ambient(studio, n) * mix(vec3f(0.30, 0.20, 0.17), vec3f(1.0), open);
-    let shaded = mix(0.35, 1.0, open);
-    for (var c = 0; c < 3; c++) {
-        light[c] += studio.key_color[c] * wrapped_cosine(dot(n, key), wrap[c]) * shaded;
-        light[c] += studio.fill_color[c] * wrapped_cosine(dot(n, fill), wrap[c]) * shaded;
-    }
-    let through = max(dot(-n, key), 0.0) * thin * 0.35;
-    return light + studio.key_color * through * vec3f(1.0, 0.22, 0.12);
+    let cosine = dot(n, l);
+    let through = max(-cosine, 0.0) * thin * 0.35;
+    let shaded = mix(0.35, 1.0, clamp(tissue.a, 0.0, 1.0));
+    return wrapped_cosines(cosine, vec3f(0.48, 0.28, 0.20)) * shaded + through * vec3f(1.0, 0.22, 0.12);
+}
+
+// What of the surroundings' irradiance reaches skin that is hidden: red goes furthest into a fold.
+fn skin_openness(tissue: vec4f) -> vec3f {
+    return mix(vec3f(0.30, 0.20, 0.17), vec3f(1.0), clamp(tissue.a, 0.0, 1.0));
 }
 
 // Highlight of one lamp on dry skin.
@@ -56,18 +54,23 @@ fn skin_sheen(n: vec3f, v: vec3f, l: vec3f, roughness: f32, lamp: f32) -> f32 {
     return lamp_lobe(n, v, l, lamp_alpha(roughness, 0.3 * lamp), 1.42, 0.05);
 }
 
-// Radiance of the sheen of skin and of the wet film on the margin.
-fn skin_specular(studio: Studio, n: vec3f, v: vec3f, tissue: vec4f, roughness: f32) -> vec3f {
+// Roughness of skin, smooth where its margin is wet.
+fn skin_roughness(tissue: vec4f, roughness: f32) -> f32 {
+    return mix(roughness, 0.14, clamp(tissue.r, 0.0, 1.0));
+}
+
+// The two lobes of one lamp's sheen.
+fn skin_lamp_sheen(n: vec3f, v: vec3f, tissue: vec4f, roughness: f32, l: vec3f, radius: f32) -> f32 {
+    let rough = skin_roughness(tissue, roughness);
+    return 0.62 * skin_sheen(n, v, l, rough, radius) + 0.38 * skin_sheen(n, v, l, rough * 1.7, 0.2);
+}
+
+// Radiance of the sheen of skin and of the wet film on the margin: `lamps` the lamps' sheen, `ambient` the
+// irradiance / pi about where a mirror looks, `mirrored` the radiance from there.
+fn skin_specular(lamps: vec3f, ambient: vec3f, mirrored: vec3f, n: vec3f, v: vec3f, tissue: vec4f) -> vec3f {
     let wet = clamp(tissue.r, 0.0, 1.0);
-    let key = studio.key_direction;
-    let fill = studio.fill_direction;
-    let rough = mix(roughness, 0.14, wet);
-    let grazing = 1.0 - max(dot(n, v), 0.0);
-    var specular = studio.key_color * (0.62 * skin_sheen(n, v, key, rough, studio.key_radius) + 0.38 * skin_sheen(n, v, key, rough * 1.7, 0.2));
-    specular += studio.fill_color * skin_sheen(n, v, fill, rough * 1.2, 0.3);
-    specular += studio_ambient(studio, reflect(-v, n)) * (0.022 + 0.16 * pow(grazing, 5.0));
-    if wet > 0.02 {
-        specular = mix(specular, studio_radiance(studio, reflect(-v, n), 0.10) * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337) * 0.8, wet * 0.7);
-    }
-    return specular * mix(0.25, 1.0, clamp(tissue.a, 0.0, 1.0));
+    let cosine = max(dot(n, v), 0.0);
+    let dry = lamps + ambient * (0.022 + 0.16 * pow(1.0 - cosine, 5.0));
+    let film = mirrored * (fresnel_dielectric(cosine, 1.0, 1.337) * 0.8);
+    return mix(dry, film, wet * 0.7) * mix(0.25, 1.0, clamp(tissue.a, 0.0, 1.0));
 }

@@ -1,11 +1,11 @@
-// needs: studio.wgsl, fresnel.wgsl, tear_film.wgsl
+// needs: fresnel.wgsl, tear_film.wgsl
 //
-// What the tears mirror of the surroundings. Head frame, unit vectors; n the normal, v towards the
-// eye that looks. Twin: src/appearance/shading/tear_reflection.rs.
+// What the tears mirror. Head frame, unit vectors; n the normal, v towards the eye that looks; `mirrored` is
+// the radiance from where the mirror looks. Twin: src/appearance/shading/tear_reflection.rs.
 
 // Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place `upper_gap` mm below
-// the upper lid's margin: lids and lashes hide what lies above.
-fn tear_reflection(studio: Studio, n: vec3f, v: vec3f, blur: f32, lipid_nm: f32, upper_gap: f32) -> vec3f {
+// the upper lid's margin: lids and lashes hide what lies above, and send back `lid_light` times what skin does.
+fn tear_reflection(mirrored: vec3f, lid_light: vec3f, n: vec3f, v: vec3f, lipid_nm: f32, upper_gap: f32) -> vec3f {
     let r = reflect(-v, n);
     let cosine = clamp(dot(n, v), 0.0, 1.0);
     let f = tear_film_rgb(cosine, 1.48, 1.337, lipid_nm);
@@ -13,12 +13,11 @@ fn tear_reflection(studio: Studio, n: vec3f, v: vec3f, blur: f32, lipid_nm: f32,
     let rise = r.y / max(length(r.xz), 0.05);
     let lid = smoothstep(-0.35, 0.35, upper_gap * 0.42 + 0.25 - rise);
     let outward = smoothstep(-0.05, 0.25, -r.z + 0.25);
-    let skin = vec3f(0.10, 0.06, 0.045);
-    return f * mix(skin, studio_radiance(studio, r, blur), lid * outward);
+    let skin = vec3f(0.45, 0.27, 0.20) * lid_light;
+    return f * mix(skin, mirrored, lid * outward);
 }
 
 // Radiance from the meniscus along the lids, a clear thread of tears.
-fn meniscus_reflection(studio: Studio, n: vec3f, v: vec3f) -> vec3f {
-    let f = fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
-    return studio_radiance(studio, reflect(-v, n), 0.05) * f;
+fn meniscus_reflection(mirrored: vec3f, n: vec3f, v: vec3f) -> vec3f {
+    return mirrored * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
 }

@@ -127,7 +127,10 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
     for remark in scene.remarks() {
         complain(remark);
     }
-    Ok(Session::new(patient, scene, shown.seed))
+    Ok(Session {
+        light: shown.light.0,
+        ..Session::new(patient, scene, shown.seed)
+    })
 }
 
 fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {

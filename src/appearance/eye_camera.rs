@@ -82,17 +82,22 @@ impl EyeOrbit {
         }
     }
 
-    /// Where the camera stands in the space of the eye, m.
-    fn transform(self) -> Transform {
+    /// Unit direction from the eye to the camera, head frame.
+    pub fn direction(self) -> Vec3 {
         let (azimuth, elevation) = (
             self.azimuth_deg.to_radians(),
             self.elevation_deg.to_radians(),
         );
-        let direction = Vec3::new(
+        Vec3::new(
             azimuth.sin() * elevation.cos(),
             elevation.sin(),
             -azimuth.cos() * elevation.cos(),
-        );
+        )
+    }
+
+    /// Where the camera stands in the space of the eye, m.
+    fn transform(self) -> Transform {
+        let direction = self.direction();
         let target = Vec3::new(0.0, 0.0, -10.5) * METRES_A_MM;
         let distance_m = (self.distance_mm + 2.0) * METRES_A_MM;
         Transform::from_translation(target + direction * distance_m).looking_at(target, Vec3::Y)

@@ -1,11 +1,16 @@
 //! What lights an eye: a studio of its own, or the lights of the world that it stands in.
 
-use super::materials::Studio;
+use super::eye_camera::{EyeCamera, EyeOrbit};
+use super::images::map_image;
+use super::materials::{Illumination, Lamp, MOST_LAMPS};
 use super::model::{EyeAssets, EyeLight, EyeParts};
+use super::studio::{Studio, StudioLight, ring};
+use super::surroundings::Surroundings;
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
 use core::f32::consts::PI;
+use std::sync::Arc;
 
 /// Smallest angular radius of a lamp that is mirrored, rad: of the sun, and of what looks like a point.
 const SUN_RAD: f32 = 0.00465;
@@ -137,81 +142,131 @@ impl WorldLights<'_, '_> {
         lights
     }
 
-    /// The world's lights at a place as the studio that an eye there stands in.
-    fn studio(&self, place: &GlobalTransform, layers: Option<&RenderLayers>) -> Studio {
+    /// The world's lights at a place as what surrounds an eye there: the strongest as lamps, the rest and the
+    /// ambient light from everywhere.
+    fn surroundings(&self, place: &GlobalTransform, layers: Option<&RenderLayers>) -> Surroundings {
         let lights = self.at(place, layers);
-        let lamp = |index: usize| {
-            lights.get(index).copied().unwrap_or(Arriving {
-                direction: Vec3::new(0.0, 0.6, -0.8),
-                over_pi: Vec3::ZERO,
-                radius_rad: SUN_RAD,
-            })
-        };
-        let (key, fill) = (lamp(0), lamp(1));
-        let mut surroundings = [Vec3::ZERO; 2];
+        let mut around = Vec3::ZERO;
         if let Some(ambient) = &self.ambient {
-            surroundings = [linear(ambient.color) * ambient.brightness; 2];
+            around += linear(ambient.color) * ambient.brightness;
         }
-        for light in lights.iter().skip(2) {
+        let mut found = Surroundings::even(around);
+        found.is_luminance = true;
+        found.lamps = lights
+            .iter()
+            .take(MOST_LAMPS)
+            .map(|light| Lamp {
+                direction: light.direction,
+                radius: light.radius_rad,
+                color: light.over_pi,
+                hole: 0.0,
+            })
+            .collect();
+        for light in lights.iter().skip(MOST_LAMPS) {
             // What falls on a surface that faces anywhere: a quarter of it, more from its own side.
-            for (sign, half) in [1.0, -1.0].into_iter().zip(&mut surroundings) {
-                *half += light.over_pi * (0.25 * (1.0 + sign * light.direction.y));
+            let [x, y, z] = light.direction.to_array();
+            for (factor, share) in found.ambient.iter_mut().zip([1.0, y, z, x]) {
+                *factor += light.over_pi * (0.25 * share);
             }
         }
-        Studio {
-            key_direction: key.direction,
-            key_radius: key.radius_rad,
-            key_color: key.over_pi,
-            exposure: 1.0,
-            fill_direction: fill.direction,
-            fill_radius: fill.radius_rad,
-            fill_color: fill.over_pi,
-            is_window: 0.0,
-            ambient_up: surroundings[0],
-            is_luminance: 1.0,
-            ambient_down: surroundings[1],
-            unused: 0.0,
-        }
+        found
     }
 }
 
+/// What surrounds an eye, and the map that it is drawn with.
+#[derive(Clone, Debug)]
+pub(super) struct Lit {
+    of: LitBy,
+    around: Arc<Surroundings>,
+    pub(super) map: Handle<Image>,
+    pub(super) illumination: Illumination,
+}
+
+/// By what it is lit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum LitBy {
+    World,
+    Studio(Studio),
+}
+
+/// What of a model decides its light.
+type Lightable<'a> = (
+    Entity,
+    &'a EyeLight,
+    &'a GlobalTransform,
+    &'a Visibility,
+    Option<&'a RenderLayers>,
+    &'a mut EyeParts,
+);
+
 /// Hands each eye the light that falls on it, where that has changed.
 pub fn light_eyes(
-    mut models: Query<(
-        &EyeLight,
-        &GlobalTransform,
-        &Visibility,
-        Option<&RenderLayers>,
-        &mut EyeParts,
-    )>,
+    mut models: Query<Lightable>,
+    cameras: Query<(&EyeCamera, &EyeOrbit)>,
     lights: WorldLights,
     mut assets: EyeAssets,
 ) {
-    for (light, place, visibility, layers, mut parts) in &mut models {
+    for (entity, light, place, visibility, layers, mut parts) in &mut models {
         if *visibility == Visibility::Hidden {
             continue;
         }
-        let studio = match light {
-            EyeLight::Studio(studio) => *studio,
-            EyeLight::World => lights.studio(place, layers),
+        let of = match light {
+            EyeLight::Studio(studio) => LitBy::Studio(*studio),
+            EyeLight::World => LitBy::World,
         };
-        if parts.studio == Some(studio) {
+        let known = parts.lit.as_ref().filter(|lit| lit.of == of);
+        let around = match (of, known) {
+            (LitBy::Studio(_), Some(lit)) => lit.around.clone(),
+            (LitBy::Studio(studio), None) => Arc::new(studio.surroundings()),
+            (LitBy::World, _) => Arc::new(lights.surroundings(place, layers)),
+        };
+        let mut illumination = around.illumination();
+        if let LitBy::Studio(studio) = of
+            && studio.light == StudioLight::Ring
+            && let Some((_, orbit)) = cameras.iter().find(|(camera, _)| camera.0 == entity)
+        {
+            // The flash is where the lens is.
+            let first = &mut illumination.lamps[0];
+            *first = Lamp {
+                color: first.color,
+                ..ring(orbit.direction(), orbit.distance_mm)
+            };
+        }
+        let map = match known {
+            Some(lit)
+                if Arc::ptr_eq(&lit.around, &around) || lit.around.levels == around.levels =>
+            {
+                lit.map.clone()
+            }
+            _ => assets.images.add(map_image(&around.levels, false)),
+        };
+        let is_lit = known.is_some_and(|lit| lit.illumination == illumination && lit.map == map);
+        if is_lit {
             continue;
         }
-        parts.studio = Some(studio);
         for (_, material) in &parts.globe {
             if let Some(mut material) = assets.globes.get_mut(material) {
-                material.globe.studio = studio;
+                material.illumination = illumination;
+                material.around = map.clone();
             }
         }
         if let Some(mut material) = assets.skins.get_mut(&parts.skin_material) {
-            material.skin.studio = studio;
+            material.illumination = illumination;
+            material.around = map.clone();
         }
         if let Some(mut material) = assets.hairs.get_mut(&parts.hair_material) {
-            material.hair.studio = studio;
+            material.illumination = illumination;
+            material.around = map.clone();
         }
         if let Some(mut material) = assets.tears.get_mut(&parts.meniscus_material) {
-            material.meniscus.studio = studio;
+            material.illumination = illumination;
+            material.around = map.clone();
         }
+        parts.lit = Some(Lit {
+            of,
+            around,
+            map,
+            illumination,
+        });
     }
 }

@@ -1,6 +1,6 @@
 //! The eye's materials: what their shaders read, kept in step with `shaders/eye/*.wgsl`.
 //!
-//! Enters: the patient's components, the lids' margins, the studio's lights.
+//! Enters: the patient's components, the lids' margins, the light.
 //! Leaves: uniforms and textures of four Bevy materials ([`GlobeMaterial`],
 //! [`SkinMaterial`], [`HairMaterial`], [`MeniscusMaterial`]), which any Bevy
 //! app can put on the meshes of this folder.
@@ -16,56 +16,76 @@ use bevy::reflect::{Reflect, TypePath};
 use bevy::render::render_resource::{
     AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureFormat,
 };
-use bevy::shader::ShaderRef;
+use bevy::shader::{ShaderDefVal, ShaderRef};
 
-/// The studio that lights an eye (struct `Studio` of `shaders/lib/studio.wgsl`).
+/// Most lamps that light an eye.
+pub const MOST_LAMPS: usize = 8;
+
+/// A lamp (struct `Lamp` of `shaders/lib/surroundings.wgsl`).
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, ShaderType)]
-pub struct Studio {
-    /// Unit direction towards the key light, head frame.
-    pub key_direction: Vec3,
-    /// Its angular half-width as a window, or radius as a lamp, rad.
-    pub key_radius: f32,
-    /// Irradiance / π from it, linear sRGB.
-    pub key_color: Vec3,
+pub struct Lamp {
+    /// Unit direction towards it, head frame.
+    pub direction: Vec3,
+    /// Angular radius, rad.
+    pub radius: f32,
+    /// Irradiance / π across its beam, linear sRGB.
+    pub color: Vec3,
+    /// What it is mirrored as: a disc (0), a ring whose hole has this share of its radius (to 1), or nothing,
+    /// as it stands in the map of the surroundings (−1).
+    pub hole: f32,
+}
+
+impl Default for Lamp {
+    fn default() -> Self {
+        Self {
+            direction: Vec3::NEG_Z,
+            radius: 0.05,
+            color: Vec3::ZERO,
+            hole: -1.0,
+        }
+    }
+}
+
+/// The light that falls on an eye (struct `Illumination` of `shaders/lib/surroundings.wgsl`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct Illumination {
+    /// The lamps.
+    pub lamps: [Lamp; MOST_LAMPS],
+    /// Irradiance / π from the surroundings without the lamps, by the normal: factors of
+    /// [`super::shading::surroundings::ambient_basis`].
+    pub ambient: [Vec4; 9],
     /// Factor on all of it before the output transform.
     pub exposure: f32,
-    /// Unit direction towards the fill light.
-    pub fill_direction: Vec3,
-    /// Its angular radius, rad.
-    pub fill_radius: f32,
-    /// Irradiance / π from it.
-    pub fill_color: Vec3,
-    /// 1 where the key light is a four-paned window, 0 where it is a round lamp.
-    pub is_window: f32,
-    /// Radiance of the surroundings above.
-    pub ambient_up: Vec3,
     /// 1 where all of this is in cd/m² and the camera's exposure is still to come, 0 where the picture's
     /// own is all.
     pub is_luminance: f32,
-    /// Radiance of the surroundings below.
-    pub ambient_down: Vec3,
     /// Fills the shader's struct.
     pub unused: f32,
+    /// Fills it too.
+    pub unused_too: f32,
 }
 
-impl Default for Studio {
-    fn default() -> Self {
-        Self {
-            // The window stands up and to the viewer's left, the lamp low on the right.
-            key_direction: Vec3::new(0.50, 0.52, -0.78).normalize(),
-            key_radius: 0.15,
-            key_color: Vec3::new(0.78, 0.80, 0.82),
-            exposure: 1.0,
-            fill_direction: Vec3::new(-0.72, -0.05, -0.62).normalize(),
-            fill_radius: 0.07,
-            fill_color: Vec3::new(0.10, 0.088, 0.08),
-            is_window: 1.0,
-            ambient_up: Vec3::new(0.24, 0.245, 0.26),
-            is_luminance: 0.0,
-            ambient_down: Vec3::new(0.15, 0.135, 0.125),
-            unused: 0.0,
+impl Illumination {
+    /// What the pipeline is told of it.
+    fn key(&self) -> LightKey {
+        let lit = |lamp: &Lamp| lamp.color.max_element() > 0.0;
+        let count = self.lamps.iter().rposition(lit).map_or(0, |last| last + 1);
+        LightKey {
+            // A few numbers, so that a lamp more is not always another pipeline.
+            lamps: [0, 1, 2, 4]
+                .into_iter()
+                .find(|most| count <= *most)
+                .unwrap_or(MOST_LAMPS) as u32,
+            has_bare: self.lamps.iter().any(|lamp| lit(lamp) && lamp.hole >= 0.0),
         }
     }
+}
+
+/// How many lamps a pipeline looks at, and whether any of them stands in no map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightKey {
+    lamps: u32,
+    has_bare: bool,
 }
 
 /// Samples of each lid margin's height (`LID_SAMPLES` of the shader).
@@ -94,8 +114,6 @@ impl Default for LidHeights {
 /// Struct `Globe` of `shaders/eye/globe.wgsl`. Lengths in mm.
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct GlobeUniform {
-    /// The lights.
-    pub studio: Studio,
     /// The lids' margins.
     pub lids: LidHeights,
     /// Rotation of the globe in the head.
@@ -159,11 +177,11 @@ pub enum GlobePart {
 
 /// Pipeline key of a [`GlobeMaterial`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct GlobeKey(GlobePart, bool);
+pub struct GlobeKey(GlobePart, bool, LightKey);
 
 impl From<&GlobeMaterial> for GlobeKey {
     fn from(material: &GlobeMaterial) -> Self {
-        Self(material.part, material.clouded)
+        Self(material.part, material.clouded, material.illumination.key())
     }
 }
 
@@ -193,13 +211,18 @@ pub struct GlobeMaterial {
     /// Where the lamps' light enters the eye; see [`super::light_table`].
     #[texture(7)]
     pub light_table: Handle<Image>,
+    /// The light.
+    #[uniform(10)]
+    pub illumination: Illumination,
+    /// What surrounds the eye; see [`super::surroundings`].
+    #[texture(11)]
+    #[sampler(12)]
+    pub around: Handle<Image>,
 }
 
 /// Struct `Skin` of `shaders/eye/skin.wgsl`.
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct SkinUniform {
-    /// The lights.
-    pub studio: Studio,
     /// Albedo, linear sRGB.
     pub albedo: Vec3,
     /// Roughness of its sheen.
@@ -214,6 +237,7 @@ pub struct SkinUniform {
 
 /// The skin of the eye region.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+#[bind_group_data(LightKey)]
 pub struct SkinMaterial {
     /// The numbers.
     #[uniform(0)]
@@ -222,13 +246,18 @@ pub struct SkinMaterial {
     #[texture(1)]
     #[sampler(2)]
     pub skin_map: Handle<Image>,
+    /// The light.
+    #[uniform(10)]
+    pub illumination: Illumination,
+    /// What surrounds the eye; see [`super::surroundings`].
+    #[texture(11)]
+    #[sampler(12)]
+    pub around: Handle<Image>,
 }
 
 /// Struct `Hair` of `shaders/eye/hair.wgsl`.
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct HairUniform {
-    /// The lights.
-    pub studio: Studio,
     /// Colour at the root.
     pub root: Vec3,
     /// Colour at the tip.
@@ -237,27 +266,41 @@ pub struct HairUniform {
 
 /// Lashes and brow.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+#[bind_group_data(LightKey)]
 pub struct HairMaterial {
     /// The numbers.
     #[uniform(0)]
     pub hair: HairUniform,
+    /// The light.
+    #[uniform(10)]
+    pub illumination: Illumination,
+    /// What surrounds the eye; see [`super::surroundings`].
+    #[texture(11)]
+    #[sampler(12)]
+    pub around: Handle<Image>,
 }
 
 /// Struct `Meniscus` of `shaders/eye/meniscus.wgsl`.
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct MeniscusUniform {
-    /// The lights.
-    pub studio: Studio,
     /// How strongly it mirrors, 0 to 1.
     pub strength: f32,
 }
 
 /// The thread of tears along the lid margins.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
+#[bind_group_data(LightKey)]
 pub struct MeniscusMaterial {
     /// The numbers.
     #[uniform(0)]
     pub meniscus: MeniscusUniform,
+    /// The light.
+    #[uniform(10)]
+    pub illumination: Illumination,
+    /// What surrounds the eye; see [`super::surroundings`].
+    #[texture(11)]
+    #[sampler(12)]
+    pub around: Handle<Image>,
 }
 
 /// All four read the same vertices: position, normal, resting place (in the
@@ -277,7 +320,7 @@ fn vertex_layout(
 }
 
 macro_rules! eye_material {
-    ($material:ty, $shader:expr, $alpha:expr, $define:expr) => {
+    ($material:ty, $shader:expr, $alpha:expr, $define:expr, $light:expr) => {
         impl Material for $material {
             fn vertex_shader() -> ShaderRef {
                 $shader.into()
@@ -301,12 +344,18 @@ macro_rules! eye_material {
                 key: MaterialPipelineKey<Self>,
             ) -> Result<(), SpecializedMeshPipelineError> {
                 let define: fn(MaterialPipelineKey<Self>) -> Vec<&'static str> = $define;
+                let light: fn(&MaterialPipelineKey<Self>) -> LightKey = $light;
+                let light = light(&key);
                 // A camera of high dynamic range is given radiance, and has its own way to the screen.
                 let radiance = (key.mesh_key.target_format() == TextureFormat::Rgba16Float)
                     .then_some("RADIANCE");
                 if let Some(fragment) = &mut descriptor.fragment {
-                    let defines = define(key).into_iter().chain(radiance);
+                    let bare = light.has_bare.then_some("BARE_LAMPS");
+                    let defines = define(key).into_iter().chain(radiance).chain(bare);
                     fragment.shader_defs.extend(defines.map(Into::into));
+                    let lamps = ShaderDefVal::UInt("LAMPS".into(), light.lamps);
+                    fragment.shader_defs.push(lamps.clone());
+                    descriptor.vertex.shader_defs.push(lamps);
                 }
                 vertex_layout(descriptor, layout)
             }
@@ -316,19 +365,59 @@ macro_rules! eye_material {
 
 // A mask that lets everything through: masked meshes are drawn after opaque ones, so that the lids
 // have hidden most of the globe before its costly pixels are shaded.
-eye_material!(GlobeMaterial, shaders::GLOBE, AlphaMode::Mask(0.0), |key| {
-    match key.bind_group_data {
-        GlobeKey(GlobePart::Sclera, _) => vec![],
-        GlobeKey(GlobePart::Conjunctiva, _) => vec!["CONJUNCTIVA"],
-        GlobeKey(GlobePart::Cornea, false) => vec!["CORNEA"],
-        GlobeKey(GlobePart::Cornea, true) => vec!["CORNEA", "CLOUDED"],
+eye_material!(
+    GlobeMaterial,
+    shaders::GLOBE,
+    AlphaMode::Mask(0.0),
+    |key| {
+        match key.bind_group_data {
+            GlobeKey(GlobePart::Sclera, ..) => vec![],
+            GlobeKey(GlobePart::Conjunctiva, ..) => vec!["CONJUNCTIVA"],
+            GlobeKey(GlobePart::Cornea, false, _) => vec!["CORNEA"],
+            GlobeKey(GlobePart::Cornea, true, _) => vec!["CORNEA", "CLOUDED"],
+        }
+    },
+    |key| key.bind_group_data.2
+);
+impl From<&SkinMaterial> for LightKey {
+    fn from(material: &SkinMaterial) -> Self {
+        material.illumination.key()
     }
-});
-eye_material!(SkinMaterial, shaders::SKIN, AlphaMode::Opaque, |_| vec![]);
-eye_material!(HairMaterial, shaders::HAIR, AlphaMode::Opaque, |_| vec![]);
-eye_material!(MeniscusMaterial, shaders::MENISCUS, AlphaMode::Add, |_| {
-    vec![]
-});
+}
+
+eye_material!(
+    SkinMaterial,
+    shaders::SKIN,
+    AlphaMode::Opaque,
+    |_| vec![],
+    |key| key.bind_group_data
+);
+impl From<&HairMaterial> for LightKey {
+    fn from(material: &HairMaterial) -> Self {
+        material.illumination.key()
+    }
+}
+
+eye_material!(
+    HairMaterial,
+    shaders::HAIR,
+    AlphaMode::Opaque,
+    |_| vec![],
+    |key| key.bind_group_data
+);
+impl From<&MeniscusMaterial> for LightKey {
+    fn from(material: &MeniscusMaterial) -> Self {
+        material.illumination.key()
+    }
+}
+
+eye_material!(
+    MeniscusMaterial,
+    shaders::MENISCUS,
+    AlphaMode::Add,
+    |_| vec![],
+    |key| key.bind_group_data
+);
 
 #[cfg(test)]
 mod tests {
@@ -392,7 +481,7 @@ mod tests {
             })+
             let named = [$(stringify!($field)),+];
             for (name, _) in offsets {
-                let is_other = ["studio", "lids", "unused"].contains(&name.as_str());
+                let is_other = ["lids", "unused", "unused_too"].contains(&name.as_str());
                 assert!(is_other || named.contains(&name.as_str()), "{} has {name}", $name);
             }
         }};
@@ -409,20 +498,25 @@ mod tests {
     #[test]
     fn every_number_is_where_its_shader_reads_it() {
         same!(
-            Studio,
+            Lamp,
             shaders::GLOBE,
-            "Studio",
-            key_direction = Vec3::ONE,
-            key_radius = 9.0,
-            key_color = Vec3::splat(9.0),
+            "Lamp",
+            direction = Vec3::splat(9.0),
+            radius = 9.0,
+            color = Vec3::splat(9.0),
+            hole = 9.0
+        );
+        same!(
+            Illumination,
+            shaders::GLOBE,
+            "Illumination",
+            lamps = [Lamp {
+                direction: Vec3::splat(9.0),
+                ..Lamp::default()
+            }; MOST_LAMPS],
+            ambient = [Vec4::splat(9.0); 9],
             exposure = 9.0,
-            fill_direction = Vec3::ONE,
-            fill_radius = 9.0,
-            fill_color = Vec3::splat(9.0),
-            is_window = 9.0,
-            ambient_up = Vec3::splat(9.0),
-            is_luminance = 9.0,
-            ambient_down = Vec3::splat(9.0)
+            is_luminance = 9.0
         );
         same!(
             GlobeUniform,

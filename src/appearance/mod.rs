@@ -31,12 +31,15 @@ pub mod pose;
 pub mod sclera_map;
 pub mod shading;
 pub mod skin_map;
+pub mod studio;
 pub mod subdivide;
+pub mod surroundings;
 mod tissue_maps;
 
 pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, eye_camera};
-pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, Studio};
+pub use materials::{GlobeMaterial, HairMaterial, Lamp, MeniscusMaterial, SkinMaterial};
 pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts};
+pub use studio::{Studio, StudioLight};
 
 use crate::frame::EyeSystems;
 use bevy::pbr::MaterialPlugin;

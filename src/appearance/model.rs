@@ -9,11 +9,13 @@ use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
 use super::lashes::Lashes;
 use super::light_table::{LightTableSettings, LightTableSize};
+use super::lighting::Lit;
 use super::materials::{
-    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
-    MeniscusUniform, SkinMaterial, SkinUniform, Studio,
+    GlobeMaterial, GlobePart, HairMaterial, HairUniform, Illumination, LidHeights,
+    MeniscusMaterial, MeniscusUniform, SkinMaterial, SkinUniform,
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
+use super::studio::Studio;
 use super::tissue_maps::{
     flesh, iris_image, light_image, light_settings, reflectance_image, sclera_image, skin_albedo,
     skin_image, static_uniform,
@@ -44,7 +46,7 @@ pub struct EyeModel(#[entities] pub Entity);
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component)]
 pub enum EyeLight {
-    /// The lights of the world that it stands in: the two strongest that shine on it, and the rest as
+    /// The lights of the world that it stands in: the eight strongest that shine on it, and the rest as
     /// surroundings.
     #[default]
     World,
@@ -113,7 +115,7 @@ pub struct EyeParts {
     #[reflect(ignore)]
     pub(super) pupil_radius_mm: f32,
     #[reflect(ignore)]
-    pub(super) studio: Option<Studio>,
+    pub(super) lit: Option<Lit>,
     #[reflect(ignore)]
     pub(super) media: Option<OcularMedia>,
     #[reflect(ignore)]
@@ -326,16 +328,25 @@ impl Builder<'_, '_, '_, '_> {
             anatomy.cornea.anterior_p,
             anatomy.cornea.limbus_radius_mm,
         )?;
-        let studio = parts.studio.unwrap_or_default();
+        let (illumination, around) = parts
+            .lit
+            .as_ref()
+            .map_or_else(Default::default, |lit| (lit.illumination, lit.map.clone()));
         let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
-        self.globe(anatomy, &shape, studio, fine, parts);
-        self.skin(anatomy, studio, seed, parts);
-        self.hair(anatomy, &shape, studio, seed, region, parts);
+        self.globe(anatomy, &shape, (illumination, &around), fine, parts);
+        self.skin(anatomy, (illumination, &around), seed, parts);
+        self.hair(
+            anatomy,
+            &shape,
+            (illumination, &around),
+            seed,
+            region,
+            parts,
+        );
         let tears = self.assets.tears.add(MeniscusMaterial {
-            meniscus: MeniscusUniform {
-                studio,
-                strength: 1.0,
-            },
+            meniscus: MeniscusUniform { strength: 1.0 },
+            illumination,
+            around,
         });
         parts.meniscus_mesh = self.assets.meshes.add(empty_mesh());
         parts.meniscus_material = tears.clone();
@@ -369,7 +380,7 @@ impl Builder<'_, '_, '_, '_> {
         &mut self,
         anatomy: &Anatomy<'_>,
         shape: &GlobeShape,
-        studio: Studio,
+        (illumination, around): (Illumination, &Handle<Image>),
         fine: bool,
         parts: &mut EyeParts,
     ) {
@@ -397,7 +408,7 @@ impl Builder<'_, '_, '_, '_> {
                 table
             }
         };
-        let uniform = static_uniform(anatomy, shape, studio);
+        let uniform = static_uniform(anatomy, shape);
         parts.globe.clear();
         for (part, mesh) in [GlobePart::Cornea, GlobePart::Sclera]
             .into_iter()
@@ -411,6 +422,8 @@ impl Builder<'_, '_, '_, '_> {
                 sclera_map: sclera_map.clone(),
                 reflectance_map: reflectance_map.clone(),
                 light_table: light_table.clone(),
+                illumination,
+                around: around.clone(),
             });
             let entity = self.commands.spawn((
                 EyePart,
@@ -430,6 +443,8 @@ impl Builder<'_, '_, '_, '_> {
             sclera_map,
             reflectance_map,
             light_table,
+            illumination,
+            around: around.clone(),
         });
         parts.conjunctiva_mesh = self.assets.meshes.add(empty_mesh());
         let entity = self.add(
@@ -439,11 +454,16 @@ impl Builder<'_, '_, '_, '_> {
         parts.globe.push((entity, material));
     }
 
-    fn skin(&mut self, anatomy: &Anatomy<'_>, studio: Studio, seed: u64, parts: &mut EyeParts) {
+    fn skin(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        (illumination, around): (Illumination, &Handle<Image>),
+        seed: u64,
+        parts: &mut EyeParts,
+    ) {
         let albedo = skin_albedo(anatomy.skin.tone);
         let material = self.assets.skins.add(SkinMaterial {
             skin: SkinUniform {
-                studio,
                 albedo,
                 roughness: 0.42,
                 flesh: flesh(anatomy.skin),
@@ -451,6 +471,8 @@ impl Builder<'_, '_, '_, '_> {
                 globe_radius_mm: anatomy.eye.scleral_radius_mm as f32,
             },
             skin_map: self.assets.images.add(skin_image(seed)),
+            illumination,
+            around: around.clone(),
         });
         parts.skin = self.assets.meshes.add(empty_mesh());
         parts.skin_material = material.clone();
@@ -461,17 +483,18 @@ impl Builder<'_, '_, '_, '_> {
         &mut self,
         anatomy: &Anatomy<'_>,
         shape: &GlobeShape,
-        studio: Studio,
+        (illumination, around): (Illumination, &Handle<Image>),
         seed: u64,
         region: Option<&EyeRegion>,
         parts: &mut EyeParts,
     ) {
         let material = self.assets.hairs.add(HairMaterial {
             hair: HairUniform {
-                studio,
                 root: Vec3::new(0.010, 0.007, 0.006),
                 tip: Vec3::new(0.024, 0.016, 0.012),
             },
+            illumination,
+            around: around.clone(),
         });
         parts.lash_mesh = self.assets.meshes.add(empty_mesh());
         parts.hair_material = material.clone();

@@ -208,7 +208,7 @@ fn ground(seed: u32, settings: &ScleraMapSettings, place: Place, cloud: f32) -> 
     let radius = x.hypot(y);
     let fine = fbm(x * 0.4 + 90.0, y * 0.4 + 90.0, [0, 0], 2, seed ^ 0xa2);
     let age = settings.age_years / 100.0;
-    let mut colour = [0.735, 0.690, 0.640];
+    let mut colour = [0.735, 0.645, 0.555];
     let mut tint = |to: [f32; 3], amount: f32| {
         let amount = amount.clamp(0.0, 1.0);
         for (value, target) in colour.iter_mut().zip(to) {

@@ -3,7 +3,7 @@
 use super::images::map_image;
 use super::iris_map::{IrisMap, IrisMapSettings};
 use super::light_table::{LightTableSettings, LightTableSize};
-use super::materials::{GlobeUniform, LidHeights, Studio};
+use super::materials::{GlobeUniform, LidHeights};
 use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use crate::anatomy::{Cornea, Iris, Skin};
@@ -109,16 +109,11 @@ pub(super) fn reflectance_image(iris: &Iris) -> Image {
         false,
     )
 }
-pub(super) fn static_uniform(
-    anatomy: &Anatomy<'_>,
-    shape: &GlobeShape,
-    studio: Studio,
-) -> GlobeUniform {
+pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> GlobeUniform {
     let Anatomy {
         eye, cornea, iris, ..
     } = anatomy;
     GlobeUniform {
-        studio,
         lids: LidHeights::default(),
         head_from_eye: Mat4::IDENTITY,
         anterior: Vec2::new(cornea.anterior_radius_mm as f32, cornea.anterior_p as f32),

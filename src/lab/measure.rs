@@ -12,6 +12,7 @@ pub mod blur_disc;
 pub mod eyes;
 pub mod glare;
 pub mod mtf;
+pub mod parallax_error;
 pub mod pupil_ratio;
 pub mod refraction_function;
 pub mod tear_film;
@@ -47,6 +48,8 @@ pub enum MeasureTable {
     Eyes,
     /// The pupil as it looks from the side.
     PupilRatio,
+    /// Where the iris is seen, by simpler pictures of a cornea.
+    ParallaxError,
     /// Error of the precomputed refraction function, and the caustic.
     RefractionFunction,
     /// The traced blur of a point beside the simple formula.
@@ -63,9 +66,10 @@ pub enum MeasureTable {
 
 impl MeasureTable {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Eyes,
         Self::PupilRatio,
+        Self::ParallaxError,
         Self::RefractionFunction,
         Self::BlurDisc,
         Self::Mtf,
@@ -79,6 +83,7 @@ impl MeasureTable {
         match self {
             Self::Eyes => "eyes",
             Self::PupilRatio => "pupil-ratio",
+            Self::ParallaxError => "parallax-error",
             Self::RefractionFunction => "refraction-function",
             Self::BlurDisc => "blur-disc",
             Self::Mtf => "mtf",
@@ -99,6 +104,11 @@ impl MeasureTable {
                 "The patient's pupil as it looks: width, height, shift (mm) and ratio at viewing \
                  angles of -80 to 80 degrees in steps of 5, horizontal and vertical, beside the \
                  measured fit of Mathur 2013; pupil as the patient's file holds it, or 4 mm"
+            }
+            Self::ParallaxError => {
+                "Error of the place on the iris that is seen through the patient's cornea, per cent of the \
+                 limbus radius, from 0 to 60 degrees: painted on, by parallax mapping, and refracted at a \
+                 sphere, at one surface and at both, beside real rays"
             }
             Self::RefractionFunction => {
                 "Precomputed refraction through the patient's cornea: bytes and error (mm at the \
@@ -135,6 +145,7 @@ impl MeasureTable {
     pub fn is_of_the_patient(self) -> bool {
         match self {
             Self::PupilRatio
+            | Self::ParallaxError
             | Self::RefractionFunction
             | Self::Glare
             | Self::Tissue
@@ -305,6 +316,11 @@ fn measure_with(
         MeasureTable::PupilRatio => {
             let rows = pupil_ratio::rows(eye);
             let (source, notes) = (pupil_ratio::SOURCE, pupil_ratio::NOTES);
+            text(table, eye, source, notes, Rows { rows })
+        }
+        MeasureTable::ParallaxError => {
+            let rows = parallax_error::rows(eye);
+            let (source, notes) = (parallax_error::SOURCE, parallax_error::NOTES);
             text(table, eye, source, notes, Rows { rows })
         }
         MeasureTable::RefractionFunction => {

@@ -11,7 +11,7 @@ pub use head::{Head, HeadPath};
 
 use crate::anatomy::{Adaptation, Patient};
 use crate::appearance::{
-    EyeCamera, EyeDetail, EyeLight, EyeModel, EyeOrbit, EyeQuality, Studio, eye_camera,
+    EyeCamera, EyeDetail, EyeLight, EyeModel, EyeOrbit, EyeQuality, Studio, StudioLight, eye_camera,
 };
 use crate::frame::readiness::Readiness;
 use crate::frame::{EyeCommands, EyeSystems, Panel, SimulationClock};
@@ -41,15 +41,18 @@ pub struct Session {
     pub scene: Arc<LoadedScene>,
     /// Seed of every random choice.
     pub seed: u64,
+    /// What the eye is lit by.
+    pub light: StudioLight,
 }
 
 impl Session {
-    /// A session that begins with these.
+    /// A session that begins with these, the eye before a window.
     pub fn new(patient: PatientFile, scene: LoadedScene, seed: u64) -> Self {
         Self {
             patient,
             scene: Arc::new(scene),
             seed,
+            light: StudioLight::default(),
         }
     }
 }
@@ -204,7 +207,10 @@ fn set(world: &mut World, session: &Session, sizes: [UVec2; 2], shown: [bool; 2]
     let model = world
         .spawn((
             EyeModel(patient),
-            EyeLight::Studio(Studio::default()),
+            EyeLight::Studio(Studio {
+                light: session.light,
+                ..Studio::default()
+            }),
             layer.clone(),
         ))
         .id();
@@ -336,6 +342,7 @@ pub struct StageView<'w, 's> {
     view: Query<'w, 's, (&'static mut ViewOptions, &'static Percept)>,
     people: Query<'w, 's, (&'static Patient, &'static GazeController)>,
     heads: Query<'w, 's, &'static mut Head, Without<HeadPath>>,
+    lights: Query<'w, 's, &'static mut EyeLight>,
 }
 
 impl StageView<'_, '_> {
@@ -350,6 +357,24 @@ impl StageView<'_, '_> {
     pub fn set_orbit(&mut self, orbit: EyeOrbit) {
         if let Ok((mut now, _)) = self.eye.get_mut(self.stage.eye) {
             now.set_if_neq(orbit.clamped());
+        }
+    }
+
+    /// What the eye is lit by.
+    pub fn light(&self) -> StudioLight {
+        match self.lights.get(self.stage.model) {
+            Ok(EyeLight::Studio(studio)) => studio.light,
+            _ => StudioLight::default(),
+        }
+    }
+
+    /// Lights the eye otherwise.
+    pub fn set_light(&mut self, light: StudioLight) {
+        if let Ok(mut now) = self.lights.get_mut(self.stage.model) {
+            now.set_if_neq(EyeLight::Studio(Studio {
+                light,
+                ..Studio::default()
+            }));
         }
     }
 

@@ -7,6 +7,7 @@ use super::pictures::bars;
 use super::state::{Controlled, GazeMode, UiState};
 use super::{OwnScene, Request, Saved};
 use crate::appearance::EyeOrbit;
+use crate::appearance::studio::STUDIO_LIGHTS;
 use crate::motion::MotionCommand;
 use crate::stage::SessionCommand;
 use bevy_egui::egui::{self, Ui};
@@ -207,6 +208,21 @@ fn panels(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
                 });
             }
         }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Light");
+        let lit = controlled.view.light();
+        let response = egui::ComboBox::from_id_salt("light")
+            .selected_text(lit.name())
+            .show_ui(ui, |ui| {
+                for light in STUDIO_LIGHTS {
+                    let label = ui.selectable_label(lit == light, light.name());
+                    if label.on_hover_text(light.description()).clicked() {
+                        controlled.view.set_light(light);
+                    }
+                }
+            });
+        state.places.insert("light", response.response.rect);
     });
 }
 

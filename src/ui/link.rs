@@ -62,6 +62,7 @@ pub(super) fn current(state: &UiState, app: &Shown) -> LinkState {
         },
         held_pupil_mm: state.held_pupil_mm,
         orbit: app.view.orbit(),
+        light: app.view.light(),
         speed: clock.speed,
         marker: app.view.options().marker,
         paused_at_s: clock.paused.then_some(clock.time_s),
@@ -77,6 +78,7 @@ fn adopt(
 ) {
     controlled.panels.show(wanted.shown);
     controlled.view.set_orbit(wanted.orbit);
+    controlled.view.set_light(wanted.light);
     controlled.set_marker(wanted.marker);
     controlled.clock.speed = wanted.speed;
     controlled.clock.paused = wanted.paused_at_s.is_some();

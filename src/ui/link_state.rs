@@ -10,7 +10,8 @@ mod patient;
 pub use patient::changes;
 
 use crate::anatomy::gaze::GazeAngles;
-use crate::appearance::EyeOrbit;
+use crate::appearance::studio::STUDIO_LIGHTS;
+use crate::appearance::{EyeOrbit, StudioLight};
 use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::scene::catalog::BuiltIn;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
@@ -68,6 +69,8 @@ pub struct LinkState {
     pub held_pupil_mm: Option<f64>,
     /// Where the camera before the eye stands.
     pub orbit: EyeOrbit,
+    /// What the eye is lit by.
+    pub light: StudioLight,
     /// Seconds of simulation in a second of real time, 0.05 to 4.
     pub speed: f64,
     /// Is it marked in the view where the eye looks?
@@ -86,6 +89,7 @@ impl Default for LinkState {
             gaze: LinkGaze::Auto,
             held_pupil_mm: None,
             orbit: EyeOrbit::default(),
+            light: StudioLight::default(),
             speed: 1.0,
             marker: false,
             paused_at_s: None,
@@ -159,6 +163,9 @@ impl LinkState {
         });
         if orbit != usual_orbit {
             put("orbit", &orbit);
+        }
+        if self.light != usual.light {
+            put("light", self.light.name());
         }
         if self.speed != usual.speed {
             put("speed", &short(self.speed.max(0.05), 2));
@@ -279,6 +286,13 @@ impl LinkState {
                 _ => refuse(
                     "degrees (-85 to 85), degrees (-80 to 80) and mm (35 to 400), as in 30,0,93",
                 ),
+            },
+            "light" => match StudioLight::of(value) {
+                Some(light) => {
+                    self.light = light;
+                    Ok(())
+                }
+                None => refuse(&STUDIO_LIGHTS.map(StudioLight::name).join(", ")),
             },
             "pupil_mm" => match number(1.0, 9.0) {
                 Some(pupil_mm) => {

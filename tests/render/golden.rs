@@ -5,7 +5,7 @@
 
 use super::picture;
 use crate::stage::{alone, look, luma_at, open, patient, session, settle, without_blinks};
-use bevy::math::{Quat, UVec2};
+use bevy::math::UVec2;
 use image::imageops::crop_imm;
 use image::{Rgba, RgbaImage};
 use ocularium::anatomy::IrisColor;
@@ -93,9 +93,10 @@ impl Default for Moment {
 
 impl Moment {
     fn draw(&self, headless: &mut Headless) -> Drawn {
-        let mut studio = Studio::default();
-        let turned = Quat::from_rotation_y(self.lamp_deg.to_radians()) * studio.key_direction;
-        studio.key_direction = turned;
+        let studio = Studio {
+            turn_deg: self.lamp_deg,
+            ..Studio::default()
+        };
         let model = headless.stage().model;
         headless
             .world()

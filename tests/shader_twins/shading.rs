@@ -1,17 +1,16 @@
-//! How the eye's surfaces answer light, without their maps: studio, lids, limbus, tears, hair.
+//! How the eye's surfaces answer light, without their maps: lamps, lids, limbus, tears, hair.
 //!
 //! Each comparison is made twice: with the twin, which must agree, and with the twin asked for one
 //! input slightly off, which must not.
 
 use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
-use bevy::math::Vec3;
 use glam::{DVec3, DVec4};
 use ocularium::appearance::Studio;
-use ocularium::appearance::materials::{LID_SAMPLES, LidHeights};
+use ocularium::appearance::materials::{LID_SAMPLES, Lamp, LidHeights};
 use ocularium::appearance::shading::lid_shade::LidShade;
 use ocularium::appearance::shading::{
-    footprint, hair_shade, lamp_lobe, lens_shade, lid_shade, limbus, studio, tear_reflection,
+    footprint, hair_shade, lamp_lobe, lens_shade, lid_shade, limbus, surroundings, tear_reflection,
 };
 use rand_pcg::Pcg64;
 
@@ -51,60 +50,42 @@ pub fn v4(x: &[f64]) -> DVec4 {
     DVec4::new(x[0], x[1], x[2], x[3])
 }
 
-/// Lamps anywhere but straight above or below, from points to wide ones, and any colours; the fill's
-/// radiance over its disc is at most 1, so that the arc cosine's error counts for no more.
-pub fn draw_studio(rng: &mut Pcg64) -> Vec<f32> {
-    let mut x = Vec::with_capacity(24);
-    let colors = |rng: &mut Pcg64, most: f32| -> Vec<f32> {
-        let mut color: Vec<f32> = (0..3).map(|_| between(rng, 0.0, most)).collect();
-        color.push(1.0);
-        color
-    };
-    let mut key = unit(rng);
-    while key[1].abs() > 0.98 {
-        key = unit(rng);
-    }
-    x.extend(key);
-    x.push(between(rng, 0.05, 0.5));
-    x.extend(colors(rng, 1.0));
-    x.extend(unit(rng));
-    let radius = between(rng, 0.03, 0.3);
+/// A lamp anywhere, from points to wide ones, of any colour: direction, radius, colour, hole. Its radiance over
+/// its disc is at most 1, so that a chord's rounding counts for no more.
+pub fn draw_lamp(rng: &mut Pcg64) -> Vec<f32> {
+    let mut x = unit(rng).to_vec();
+    let radius = between(rng, 0.03, 0.5);
     x.push(radius);
-    x.extend(colors(rng, radius * radius));
-    x.extend(colors(rng, 1.0));
-    x.extend(colors(rng, 1.0));
-    // The key light is a window, or a round lamp.
-    x[15] = f32::from(u8::from(between(rng, 0.0, 1.0) < 0.5));
+    x.extend((0..3).map(|_| between(rng, 0.0, radius * radius)));
+    x.push([-1.0, 0.0, between(rng, 0.2, 0.9)][(between(rng, 0.0, 2.999)) as usize]);
     x
 }
 
-/// The call's studio, from 24 numbers from `first` on.
-pub fn studio_text(first: usize) -> String {
-    let parts: Vec<String> = (0..6)
-        .map(|k| {
-            let i = first + 4 * k;
-            format!("vec3f(x[{i}], x[{}], x[{}]), x[{}]", i + 1, i + 2, i + 3)
-        })
-        .collect();
-    parts.join(", ")
+/// The call's lamp, from 8 numbers from `first` on.
+pub fn lamp_text(first: usize) -> String {
+    let v = |i: usize| {
+        format!(
+            "vec3f(x[{}], x[{}], x[{}])",
+            first + i,
+            first + i + 1,
+            first + i + 2
+        )
+    };
+    format!(
+        "Lamp({}, x[{}], {}, x[{}])",
+        v(0),
+        first + 3,
+        v(4),
+        first + 7
+    )
 }
 
-pub fn studio_of(x: &[f64]) -> Studio {
-    let three = |i: usize| v3(&x[4 * i..]).as_vec3();
-    let one = |i: usize| x[4 * i + 3] as f32;
-    Studio {
-        key_direction: three(0),
-        key_radius: one(0),
-        key_color: three(1),
-        exposure: one(1),
-        fill_direction: three(2),
-        fill_radius: one(2),
-        fill_color: three(3),
-        is_window: one(3),
-        ambient_up: three(4),
-        is_luminance: one(4),
-        ambient_down: three(5),
-        unused: one(5),
+pub fn lamp_of(x: &[f64]) -> Lamp {
+    Lamp {
+        direction: v3(x).as_vec3(),
+        radius: x[3] as f32,
+        color: v3(&x[4..]).as_vec3(),
+        hole: x[7] as f32,
     }
 }
 
@@ -145,85 +126,114 @@ fn footprints() {
     );
 }
 
-fn draw_radiance(rng: &mut Pcg64, lamp: usize) -> Vec<f32> {
-    let mut x = draw_studio(rng);
-    // Half of the directions near the lamp, within its edges and across them.
-    let near = between(rng, 0.0, 1.0) < 0.5;
-    let at = DVec3::new(
-        x[8 * lamp].into(),
-        x[8 * lamp + 1].into(),
-        x[8 * lamp + 2].into(),
-    );
-    let reach = if near {
-        f64::from(x[8 * lamp + 3])
-    } else {
-        3.0
-    };
-    let aside = DVec3::from_array(unit(rng).map(f64::from));
-    let d = (at + reach * aside)
-        .normalize()
-        .to_array()
-        .map(|v| v as f32);
-    x.extend(d);
-    x.push(if near {
-        between(rng, 0.0, 0.1)
-    } else {
-        between(rng, 0.0, 0.5)
-    });
-    x
-}
-
 #[test]
-fn the_studio() {
+fn lamps() {
     let call = format!(
-        "let c = studio_radiance(Studio({}), vec3f(x[24], x[25], x[26]), x[27]); {RGB_OUT}",
-        studio_text(0)
-    );
-    let exact = |x: &[f64]| rgb(studio::studio_radiance(&studio_of(x), v3(&x[24..]), x[27]));
-    for lamp in 0..2 {
-        pass_unless_off(
-            &Twin {
-                name: "studio_radiance",
-                library: &["studio"],
-                call: &call,
-                draw: &|rng| draw_radiance(rng, lamp),
-                exact: &exact,
-                // WGSL lets an arc cosine have an arc tangent's 4096 roundings: 7e-5 of 0.3 rad, over an
-                // edge of 0.04 with slope 1.5. The window's edge of 0.016 does a tenth of that to what
-                // f32 makes of a place, times a radiance of 100 and more: in proportion.
-                absolute: 3e-3,
-                relative: 3e-4,
-                steep_share: 0.002,
-            },
-            &[],
-            4 * (2 * lamp + 1),
-            0.02,
-        );
-    }
-    // Away from lamps the surroundings are known to rounding.
-    let call = format!(
-        "let s = Studio({}); let c = studio_ambient(s, vec3f(x[24], x[25], x[26])); {RGB_OUT} y[3] = wrapped_cosine(x[25], x[27]);",
-        studio_text(0)
+        "let c = lamp_radiance({}, vec3f(x[8], x[9], x[10]), x[11]); {RGB_OUT} y[3] = wrapped_cosine(x[9], x[11]); \
+         let w = wrapped_cosines(x[9], vec3f(x[11], 0.3, 0.2)); y[4] = w.x; y[5] = w.z;",
+        lamp_text(0)
     );
     pass_unless_off(
         &Twin {
-            name: "studio_ambient",
-            library: &["studio"],
+            name: "lamp_radiance",
+            library: &["surroundings"],
             call: &call,
-            draw: &|rng| draw_radiance(rng, 0),
+            draw: &|rng| {
+                let mut x = draw_lamp(rng);
+                // Half of the directions near the lamp, within its edges and across them.
+                let near = between(rng, 0.0, 1.0) < 0.5;
+                let reach = if near { 1.2 * f64::from(x[3]) } else { 3.0 };
+                let at = DVec3::new(x[0].into(), x[1].into(), x[2].into());
+                let aside = DVec3::from_array(unit(rng).map(f64::from));
+                let d = (at + reach * aside).normalize().to_array();
+                x.extend(d.map(|v| v as f32));
+                x.push(between(rng, 0.0, if near { 0.1 } else { 0.5 }));
+                x
+            },
             exact: &|x| {
-                let mut out = rgb(studio::studio_ambient(&studio_of(x), v3(&x[24..])));
-                out.push(studio::wrapped_cosine(x[25], x[27]));
+                let d = v3(&x[8..]);
+                let mut out = rgb(surroundings::lamp_radiance(&lamp_of(x), d, x[11]));
+                out.push(surroundings::wrapped_cosine(x[9], x[11]));
+                let w = surroundings::wrapped_cosines(x[9], DVec3::new(x[11], 0.3, 0.2));
+                out.extend([w.x, w.z]);
                 out
             },
-            // A few roundings of numbers up to 1.
-            absolute: 5e-7,
+            // A chord carries 1e-7 over an edge of 0.04 with slope 1.5, in a disc of radiance up to 1, or, with
+            // a hole, of one over what is left of it.
+            absolute: 1e-5,
             relative: 0.0,
-            steep_share: 0.001,
+            // Where the blur is as wide as the hole.
+            steep_share: 0.002,
         },
         &[],
-        25,
-        1e-4,
+        3,
+        0.02,
+    );
+}
+
+#[test]
+fn what_surrounds_an_eye() {
+    let studio = Studio::default().surroundings();
+    // A coarse map: its texels tell places apart.
+    let map = Map {
+        name: "around_map",
+        levels: studio.levels[3..].to_vec(),
+        wrap: false,
+    };
+    let view = map.view();
+    pass_unless_off(
+        &Twin {
+            name: "surroundings_radiance",
+            library: &["surroundings"],
+            call: "let d = vec3f(x[0], x[1], x[2]); let u = surroundings_uv(d); y[3] = u.x; y[4] = u.y; \
+                   let c = surroundings_radiance(around_map, around_map_sampler, d, x[3]); y[0] = c.x; y[1] = c.y; y[2] = c.z;",
+            draw: &|rng| {
+                let mut x = unit(rng).to_vec();
+                x.push(between(rng, 0.0, 0.4));
+                x
+            },
+            exact: &|x| {
+                let d = v3(x);
+                let mut out = rgb(surroundings::surroundings_radiance(&view, d, x[3]));
+                out.extend(surroundings::surroundings_uv(d).to_array());
+                out
+            },
+            // A place is good to 3e-7 of 64 texels, between texels up to 10 apart.
+            absolute: 5e-4,
+            relative: 0.0,
+            // Straight behind all places are one.
+            steep_share: 0.003,
+        },
+        std::slice::from_ref(&map),
+        0,
+        0.05,
+    );
+    let call = format!(
+        "let c = ambient_light(array<vec4f, 9>({}), vec3f(x[36], x[37], x[38])); {RGB_OUT}",
+        vec4s(0, 9)
+    );
+    pass_unless_off(
+        &Twin {
+            name: "ambient_light",
+            library: &["surroundings"],
+            call: &call,
+            draw: &|rng| {
+                let mut x: Vec<f32> = (0..36).map(|_| between(rng, -0.2, 0.4)).collect();
+                x.extend(unit(rng));
+                x
+            },
+            exact: &|x| {
+                let factors = core::array::from_fn(|i| v4(&x[4 * i..]).as_vec4());
+                rgb(surroundings::ambient_light(&factors, v3(&x[36..])))
+            },
+            // A few roundings of numbers up to 1.
+            absolute: 1e-6,
+            relative: 0.0,
+            steep_share: 0.0,
+        },
+        &[],
+        36,
+        1e-2,
     );
 }
 
@@ -384,109 +394,102 @@ fn lamp_lobes() {
 }
 
 fn draw_mirror(rng: &mut Pcg64) -> Vec<f32> {
-    let mut x = draw_studio(rng);
+    let mut x: Vec<f32> = (0..6).map(|_| between(rng, 0.0, 1.0)).collect();
     draw_views(rng, &mut x);
-    x.extend([
-        between(rng, 0.0, 0.3),
-        between(rng, 0.0, 200.0),
-        between(rng, -3.0, 12.0),
-    ]);
+    x.extend([between(rng, 0.0, 200.0), between(rng, -3.0, 12.0)]);
     x
 }
 
-pub const VIEWS: &str = "let n = vec3f(x[24], x[25], x[26]); let v = vec3f(x[27], x[28], x[29]);";
+pub const VIEWS: &str = "let m = vec3f(x[0], x[1], x[2]); let k = vec3f(x[3], x[4], x[5]); \
+     let n = vec3f(x[6], x[7], x[8]); let v = vec3f(x[9], x[10], x[11]);";
 
 #[test]
 fn tears() {
-    let call = format!(
-        "let s = Studio({}); {VIEWS} let c = tear_reflection(s, n, v, x[30], x[31], x[32]); {RGB_OUT}",
-        studio_text(0)
-    );
     pass_unless_off(
         &Twin {
             name: "tear_reflection",
             library: &["tear_reflection"],
-            call: &call,
+            call: &format!("{VIEWS} let c = tear_reflection(m, k, n, v, x[12], x[13]); {RGB_OUT}"),
             draw: &draw_mirror,
             exact: &|x| {
-                let (n, v) = (v3(&x[24..]), v3(&x[27..]));
                 rgb(tear_reflection::tear_reflection(
-                    &studio_of(x),
-                    n,
-                    v,
-                    x[30],
-                    x[31],
-                    x[32],
+                    v3(x),
+                    v3(&x[3..]),
+                    v3(&x[6..]),
+                    v3(&x[9..]),
+                    x[12],
+                    x[13],
                 ))
             },
-            // The film reflects at most what the studio's radiance is off by.
-            absolute: 3e-3,
-            relative: 3e-4,
+            // A film's cosine of its phase, of numbers up to 10.
+            absolute: 2e-6,
+            relative: 1e-5,
             steep_share: 0.002,
         },
         &[],
-        32,
+        13,
         0.1,
-    );
-    let call = format!(
-        "let s = Studio({}); {VIEWS} let c = meniscus_reflection(s, n, v); {RGB_OUT}",
-        studio_text(0)
     );
     pass_unless_off(
         &Twin {
             name: "meniscus_reflection",
             library: &["tear_reflection"],
-            call: &call,
+            call: &format!("{VIEWS} let c = meniscus_reflection(m, n, v); {RGB_OUT}"),
             draw: &draw_mirror,
             exact: &|x| {
                 rgb(tear_reflection::meniscus_reflection(
-                    &studio_of(x),
-                    v3(&x[24..]),
-                    v3(&x[27..]),
+                    v3(x),
+                    v3(&x[6..]),
+                    v3(&x[9..]),
                 ))
             },
-            absolute: 3e-3,
-            relative: 3e-4,
+            absolute: 2e-6,
+            relative: 1e-5,
             steep_share: 0.002,
         },
         &[],
-        24,
+        0,
         0.02,
     );
 }
 
 #[test]
 fn hair() {
-    let call = format!(
-        "let s = Studio({}); {VIEWS} let c = hair_radiance(s, vec3f(x[30], x[31], x[32]), n, v); {RGB_OUT}",
-        studio_text(0)
-    );
     pass_unless_off(
         &Twin {
-            name: "hair_radiance",
+            name: "hair_lamp",
             library: &["hair_shade"],
-            call: &call,
+            call: &format!(
+                "{VIEWS} let c = hair_lamp(m, n, v, vec3f(x[14], x[15], x[16])) + hair_ambient(m, k); {RGB_OUT}"
+            ),
             draw: &|rng| {
-                let mut x = draw_studio(rng);
-                draw_views(rng, &mut x);
-                x.extend((0..3).map(|_| between(rng, 0.0, 1.0)));
+                let mut x = draw_mirror(rng);
+                let v = DVec3::new(x[9].into(), x[10].into(), x[11].into());
+                // The half vector of opposite directions is none.
+                let mut l = unit(rng);
+                while v.dot(DVec3::from_array(l.map(f64::from))) < -0.98 {
+                    l = unit(rng);
+                }
+                x.extend(l);
                 x
             },
             exact: &|x| {
-                let (along, v, color) = (v3(&x[24..]), v3(&x[27..]), v3(&x[30..]));
-                rgb(hair_shade::hair_radiance(&studio_of(x), color, along, v))
+                let light = v3(&x[14..]);
+                rgb(
+                    hair_shade::hair_lamp(v3(x), v3(&x[6..]), v3(&x[9..]), light)
+                        + hair_shade::hair_ambient(v3(x), v3(&x[3..])),
+                )
             },
-            // The sixtieth power of a sine near 1 makes sixty roundings of one.
-            absolute: 1e-5,
+            // The half vector carries 5e-7 where it is short; a power of 60 makes 60 times that, of 0.035.
+            absolute: 5e-6,
             relative: 1e-5,
-            steep_share: 0.01,
+            steep_share: 0.005,
         },
         &[],
-        24,
-        1e-3,
+        0,
+        1e-2,
     );
 }
-
 /// Any shade that lids can make.
 pub fn draw_shade(rng: &mut Pcg64) -> [f32; 4] {
     [
@@ -504,14 +507,6 @@ pub fn shade_of(x: &[f64]) -> LidShade {
         upper_gap: x[2],
         lower_gap: x[3],
     }
-}
-
-#[test]
-fn a_studio_is_read_in_its_order() {
-    let x: Vec<f64> = (0..24).map(f64::from).collect();
-    let studio = studio_of(&x);
-    assert_eq!(studio.ambient_up, Vec3::new(16.0, 17.0, 18.0));
-    assert_eq!((studio.is_window, studio.is_luminance), (15.0, 19.0));
 }
 
 #[test]

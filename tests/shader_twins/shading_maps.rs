@@ -1,11 +1,9 @@
 //! Sclera and iris with their maps: as textures on the device and as the same texels in f64.
 
-use super::shading::{
-    RGB_OUT, draw_shade, draw_studio, pass_unless_off, rgb, shade_of, studio_of, studio_text,
-};
+use super::shading::{RGB_OUT, draw_shade, pass_unless_off, rgb, shade_of};
 use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
-use glam::{DMat3, DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use ocularium::appearance::iris_map::{IrisMap, IrisMapSettings};
 use ocularium::appearance::light_table::{LightTableSettings, LightTableSize};
 use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
@@ -13,13 +11,6 @@ use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
 use ocularium::appearance::shading::iris_shade::{self, IrisMaps};
 use ocularium::appearance::shading::sclera_shade;
 use rand_pcg::Pcg64;
-
-/// A rotation as nine numbers, column by column.
-fn draw_rotation(rng: &mut Pcg64) -> [f32; 9] {
-    let axis = DVec3::from_array(unit(rng).map(f64::from)).normalize();
-    let turn = DQuat::from_axis_angle(axis, f64::from(between(rng, -0.8, 0.8)));
-    DMat3::from_quat(turn).to_cols_array().map(|v| v as f32)
-}
 
 /// A point of the globe's front half and a normal near to it.
 fn draw_place(rng: &mut Pcg64) -> [f32; 6] {
@@ -76,22 +67,16 @@ fn sclera() {
         3,
         1e-2,
     );
-    let call = format!(
-        "let s = Studio({}); let turn = mat3x3f(x[24], x[25], x[26], x[27], x[28], x[29], x[30], x[31], x[32]); \
-         let r = sclera_shade(sclera_map, sclera_map_sampler, vec3f(x[33], x[34], x[35]), vec3f(x[36], x[37], x[38]), \
-         x[39], x[40], s, turn, LidShade(x[41], x[42], x[43], x[44])); let c = r.diffuse; {RGB_OUT} \
-         y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z;",
-        studio_text(0)
-    );
     pass_unless_off(
         &Twin {
-            name: "sclera_shade",
+            name: "sclera_surface",
             library: &["sclera_shade"],
-            call: &call,
+            call: "let r = sclera_surface(sclera_map, sclera_map_sampler, vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), \
+                   x[6], x[7]); let c = r.albedo; y[0] = c.x; y[1] = c.y; y[2] = c.z; \
+                   y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z; \
+                   let e = sclera_lid_bounce(LidShade(x[8], x[9], x[10], x[11])) + sclera_lamp(x[0]); y[6] = e.x; y[7] = e.z;",
             draw: &|rng| {
-                let mut x = draw_studio(rng);
-                x.extend(draw_rotation(rng));
-                x.extend(draw_place(rng));
+                let mut x = draw_place(rng).to_vec();
                 x.extend([
                     10.0_f32.powf(between(rng, -3.0, 0.5)),
                     between(rng, 10.5, 12.5),
@@ -100,27 +85,20 @@ fn sclera() {
                 x
             },
             exact: &|x| {
-                let r = sclera_shade::sclera_shade(
-                    &view,
-                    v3(&x[33..]),
-                    v3(&x[36..]),
-                    x[39],
-                    x[40],
-                    &studio_of(x),
-                    DMat3::from_cols_slice(&x[24..33]),
-                    &shade_of(&x[41..]),
-                );
-                [rgb(r.diffuse), rgb(r.normal)].concat()
+                let r = sclera_shade::sclera_surface(&view, v3(x), v3(&x[3..]), x[6], x[7]);
+                let e = sclera_shade::sclera_lid_bounce(&shade_of(&x[8..]))
+                    + sclera_shade::sclera_lamp(x[0]);
+                [rgb(r.albedo), rgb(r.normal), vec![e.x, e.z]].concat()
             },
             // The place is good to 1.1e-4 of 256 texels, between texels that differ by up to 0.3.
             absolute: 9e-3,
-            relative: 0.0,
+            relative: 5e-6,
             // Where the level jumps to the next.
             steep_share: 0.002,
         },
         std::slice::from_ref(&map),
-        42,
-        0.05,
+        10,
+        0.3,
     );
 }
 
@@ -295,23 +273,23 @@ fn the_light_of_the_iris() {
         light: maps[2].view(),
     };
     let call = format!(
-        "{IRIS} let d = vec3f(x[8], x[9], x[10]); let e = LidShade(x[16], x[17], x[18], x[19]); let s = Studio({}); \
-         let turn = mat3x3f(0.96, 0.0, 0.28, 0.0, 1.0, 0.0, -0.28, 0.0, 0.96); \
+        "{IRIS} let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
-         let c = iris_radiance(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, \
-         iris, s, turn, p, d, q, x[14], e); {RGB_OUT} y[3] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;",
-        studio_text(20)
+         let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14]); \
+         let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, iris, u, l); {RGB_OUT} \
+         let a = iris_ambient(reflectance_map, light_table_sampler, u); y[3] = a.x; y[4] = a.z; \
+         y[5] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;"
     );
     pass_unless_off(
         &Twin {
-            name: "iris_radiance",
+            name: "iris_lamp",
             library: &["iris_shade"],
             call: &call,
             draw: &|rng| {
                 let mut x = draw_march(rng);
                 (x[11], x[12]) = (between(rng, 0.0, 1.0), between(rng, -0.1, 1.2));
-                x.extend(draw_shade(rng));
-                x.extend(draw_studio(rng));
+                x.truncate(16);
+                x.extend(unit(rng));
                 x
             },
             exact: &|x| {
@@ -321,23 +299,12 @@ fn the_light_of_the_iris() {
                     du: p.perp() * (0.15915494 / p.length_squared()),
                     dv: p * 0.05,
                 };
-                let radiance = iris_shade::iris_radiance(
-                    &views,
-                    &iris_of(x),
-                    &studio_of(&x[20..]),
-                    // The same turn about y as in the call: columns.
-                    DMat3::from_cols(
-                        DVec3::new(0.96, 0.0, 0.28),
-                        DVec3::Y,
-                        DVec3::new(-0.28, 0.0, 0.96),
-                    ),
-                    p,
-                    v3(&x[8..]),
-                    &start,
-                    x[14],
-                    &shade_of(&x[16..]),
-                );
-                [rgb(radiance), vec![1.0]].concat()
+                let iris = iris_of(x);
+                let surface =
+                    iris_shade::iris_surface(&views, &iris, p, v3(&x[8..]), &start, x[14]);
+                let lamp = iris_shade::iris_lamp(&views, &iris, &surface, v3(&x[16..]));
+                let ambient = iris_shade::iris_ambient(&views, &surface);
+                [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()
             },
             // A place is good to 6e-8 of 256 texels; a ridge 0.1 mm high within one makes 2e-6 mm of each
             // of two readings, the normal's step of 0.012 mm 3e-4 of a slope, light up to 2 twice that.
@@ -347,7 +314,7 @@ fn the_light_of_the_iris() {
             steep_share: 0.01,
         },
         &maps,
-        17,
+        16,
         0.05,
     );
 }
@@ -355,12 +322,10 @@ fn the_light_of_the_iris() {
 #[test]
 fn what_shows_through_the_pupil() {
     let call = format!(
-        "{IRIS} let e = LidShade(x[8], x[9], x[10], x[11]); let s = Studio({}); \
-         let c = pupil_radiance(s, x[36] * vec3f(0.012, 0.010, 0.006), e); {RGB_OUT} \
-         y[3] = pupil_edge(p, x[37], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[12], x[13], x[14]), y[3], p.y); \
+        "{IRIS} let c = pupil_radiance(vec3f(x[8], x[9], x[10]), x[14] * vec3f(0.012, 0.010, 0.006)); {RGB_OUT} \
+         y[3] = pupil_edge(p, x[15], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[11], x[12], x[13]), y[3], p.y); \
          y[4] = m.x; y[5] = m.y; y[6] = m.z; let g = iris_edges(m, p.y); y[7] = g.x; y[8] = g.y; y[9] = g.z; \
-         y[10] = iris_openness(p.x); y[11] = iris_path(x[36], -x[37], x[9]);",
-        studio_text(12)
+         y[10] = iris_openness(p.x); y[11] = iris_path(x[14], -x[15], x[9]);"
     );
     pass_unless_off(
         &Twin {
@@ -370,26 +335,21 @@ fn what_shows_through_the_pupil() {
             draw: &|rng| {
                 let mut x = draw_iris(rng);
                 (x[6], x[7]) = (between(rng, -0.2, 1.0), between(rng, -0.1, 1.2));
-                x.extend(draw_shade(rng));
-                x.extend(draw_studio(rng));
-                x.extend([
-                    between(rng, 0.0, 1.0),
-                    10.0_f32.powf(between(rng, -3.0, 0.0)),
-                ]);
+                x.extend((0..7).map(|_| between(rng, 0.0, 1.0)));
+                x.push(10.0_f32.powf(between(rng, -3.0, 0.0)));
                 x
             },
             exact: &|x| {
                 let (place, iris) = (v2(&x[6..]), iris_of(x));
                 let pupil = iris_shade::pupil_radiance(
-                    &studio_of(&x[12..]),
-                    x[36] * DVec3::new(0.012, 0.010, 0.006),
-                    &shade_of(&x[8..]),
+                    v3(&x[8..]),
+                    x[14] * DVec3::new(0.012, 0.010, 0.006),
                 );
-                let edge = iris_shade::pupil_edge(place, x[37], iris.width());
-                let both = iris_shade::iris_and_pupil(pupil, v3(&x[12..]), edge, place.y);
+                let edge = iris_shade::pupil_edge(place, x[15], iris.width());
+                let both = iris_shade::iris_and_pupil(pupil, v3(&x[11..]), edge, place.y);
                 let edges = iris_shade::iris_edges(both, place.y);
                 let open = iris_shade::iris_openness(place.x);
-                let path = iris_shade::iris_path(x[36], -x[37], x[9]);
+                let path = iris_shade::iris_path(x[14], -x[15], x[9]);
                 [
                     rgb(pupil),
                     vec![edge],

@@ -1,16 +1,16 @@
 //! The skin about the eye: its normal, colour, light and sheen.
 
-use super::shading::{
-    RGB_OUT, VIEWS, draw_studio, draw_views, pass_unless_off, rgb, studio_of, studio_text, v4,
-};
-use super::{between, v3};
+use super::shading::{RGB_OUT, VIEWS, draw_views, pass_unless_off, rgb, v4};
+use super::{between, unit, v3};
 use crate::gpu::Twin;
+use glam::DVec3;
 use ocularium::appearance::shading::skin_shade;
 use rand_pcg::Pcg64;
 
-/// 24 numbers of the studio, normal and view, tissue, two readings of the tile, and three more.
+/// Two colours, normal and view, tissue, two readings of the tile, three more, a lamp's direction and radius,
+/// and a third colour.
 fn draw_skin(rng: &mut Pcg64) -> Vec<f32> {
-    let mut x = draw_studio(rng);
+    let mut x: Vec<f32> = (0..6).map(|_| between(rng, 0.0, 1.0)).collect();
     draw_views(rng, &mut x);
     // The weights of a vertex reach their ends and, interpolated, a little past them.
     x.extend((0..4).map(|_| between(rng, -0.1, 1.1)));
@@ -20,14 +20,23 @@ fn draw_skin(rng: &mut Pcg64) -> Vec<f32> {
         between(rng, 10.5, 12.5),
         between(rng, 0.2, 0.8),
     ]);
+    let v = DVec3::new(x[9].into(), x[10].into(), x[11].into());
+    // The half vector of opposite directions is none.
+    let mut l = unit(rng);
+    while v.dot(DVec3::from_array(l.map(f64::from))) < -0.98 {
+        l = unit(rng);
+    }
+    x.extend(l);
+    x.push(between(rng, 0.0, 0.5));
+    x.extend((0..3).map(|_| between(rng, 0.0, 1.0)));
     x
 }
 
 #[test]
 fn skin() {
-    const TISSUE: &str = "let t = vec4f(x[30], x[31], x[32], x[33]); let f = vec4f(x[34], x[35], x[36], x[37]); \
-                          let g = vec4f(x[38], x[39], x[40], x[41]);";
-    let studio = studio_text(0);
+    const TISSUE: &str = "let t = vec4f(x[12], x[13], x[14], x[15]); let f = vec4f(x[16], x[17], x[18], x[19]); \
+                          let g = vec4f(x[20], x[21], x[22], x[23]); let l = vec3f(x[27], x[28], x[29]); \
+                          let q = vec3f(x[31], x[32], x[33]);";
     let compare = |name,
                    call: &str,
                    exact: &dyn Fn(&[f64]) -> Vec<f64>,
@@ -37,9 +46,7 @@ fn skin() {
             &Twin {
                 name,
                 library: &["skin_shade"],
-                call: &format!(
-                    "let s = Studio({studio}); {VIEWS} {TISSUE} let c = {call}; {RGB_OUT}"
-                ),
+                call: &format!("{VIEWS} {TISSUE} let c = {call}; {RGB_OUT}"),
                 draw: &draw_skin,
                 exact,
                 absolute,
@@ -53,69 +60,90 @@ fn skin() {
     };
     // A few roundings of a unit vector.
     let normal = |x: &[f64]| {
-        let (n, v) = (v3(&x[24..]), v3(&x[27..]));
+        let (fine, coarse) = (v4(&x[16..]), v4(&x[20..]));
         rgb(skin_shade::skin_normal(
-            n,
-            v,
-            v4(&x[30..]),
-            x[44],
-            v4(&x[34..]),
-            v4(&x[38..]),
+            v3(&x[6..]),
+            v3(&x[9..]),
+            v4(&x[12..]),
+            x[26],
+            fine,
+            coarse,
         ))
     };
     compare(
         "skin_normal",
-        "skin_normal(n, v, t, x[44], f, g)",
+        "skin_normal(n, v, t, x[26], f, g)",
         &normal,
         [2e-6, 0.0],
-        (34, 1e-2),
+        (16, 1e-2),
     );
     // 12 mm carries 1e-6, over an edge of 1.55 mm.
     let albedo = |x: &[f64]| {
-        let (fine, coarse) = (v4(&x[34..]), v4(&x[38..]));
+        let (fine, coarse) = (v4(&x[16..]), v4(&x[20..]));
         rgb(skin_shade::skin_albedo(
             v3(x),
-            v3(&x[4..]),
-            v4(&x[30..]),
+            v3(&x[3..]),
+            v4(&x[12..]),
             fine,
             coarse,
-            x[42],
-            x[43],
-        ))
-    };
-    let call =
-        "skin_albedo(vec3f(x[0], x[1], x[2]), vec3f(x[4], x[5], x[6]), t, f, g, x[42], x[43])";
-    compare("skin_albedo", call, &albedo, [4e-6, 0.0], (42, 2e-2));
-    let light = |x: &[f64]| {
-        rgb(skin_shade::skin_light(
-            &studio_of(x),
-            v3(&x[24..]),
-            v4(&x[30..]),
+            x[24],
+            x[25],
         ))
     };
     compare(
-        "skin_light",
-        "skin_light(s, n, t)",
+        "skin_albedo",
+        "skin_albedo(m, k, t, f, g, x[24], x[25])",
+        &albedo,
+        [4e-6, 0.0],
+        (24, 2e-2),
+    );
+    let light = |x: &[f64]| {
+        let tissue = v4(&x[12..]);
+        rgb(skin_shade::skin_lamp(v3(&x[6..]), tissue, v3(&x[27..]))
+            + skin_shade::skin_openness(tissue))
+    };
+    compare(
+        "skin_lamp",
+        "skin_lamp(n, t, l) + skin_openness(t)",
         &light,
         [4e-6, 0.0],
-        (31, 2e-2),
+        (13, 2e-2),
     );
-    // What the studio's arc cosine is off by, through the film's reflectance.
+    // The half vector carries 1e-7, and a lobe with alpha 0.02 turns that into 1e-4 of itself.
+    let sheen = |x: &[f64]| {
+        let one = skin_shade::skin_lamp_sheen(
+            v3(&x[6..]),
+            v3(&x[9..]),
+            v4(&x[12..]),
+            x[26],
+            v3(&x[27..]),
+            x[30],
+        );
+        rgb(DVec3::splat(one))
+    };
+    compare(
+        "skin_lamp_sheen",
+        "vec3f(skin_lamp_sheen(n, v, t, x[26], l, x[30]))",
+        &sheen,
+        [1e-4, 3e-4],
+        (26, 2e-2),
+    );
+    // A few roundings of numbers up to 1.
     let specular = |x: &[f64]| {
-        let (n, v) = (v3(&x[24..]), v3(&x[27..]));
         rgb(skin_shade::skin_specular(
-            &studio_of(x),
-            n,
-            v,
-            v4(&x[30..]),
-            x[44],
+            v3(x),
+            v3(&x[3..]),
+            v3(&x[31..]),
+            v3(&x[6..]),
+            v3(&x[9..]),
+            v4(&x[12..]),
         ))
     };
     compare(
         "skin_specular",
-        "skin_specular(s, n, v, t, x[44])",
+        "skin_specular(m, k, q, n, v, t)",
         &specular,
-        [3e-3, 3e-4],
-        (44, 2e-2),
+        [2e-6, 1e-5],
+        (12, 2e-2),
     );
 }

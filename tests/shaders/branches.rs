@@ -3,7 +3,11 @@
 //! what is one way for a whole picture is a define of the pipeline, or hangs on the pixel too.
 
 use super::{SOURCES, Source, compose, defines};
-use naga::{AddressSpace, Block, Expression, Function, Handle, Module, ShaderStage, Statement};
+use naga::{
+    AddressSpace, Block, Expression, Function, Handle, LocalVariable, Module, ShaderStage,
+    Statement,
+};
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 /// Small enough to be flattened: a debugger on lavapipe sees no compilation for it from frame to frame.
@@ -23,9 +27,140 @@ struct Walk<'m> {
     walked: BTreeSet<(Handle<Function>, Vec<Origin>)>,
     /// Functions with a branch on uniforms alone.
     found: BTreeSet<String>,
+    /// Variables whose values are being looked for: what one adds to itself hangs on nothing else.
+    looking: RefCell<Vec<(usize, Handle<LocalVariable>)>>,
+}
+
+/// Every statement of a block, and of those in it.
+fn every(block: &Block) -> Vec<&Statement> {
+    let mut all = Vec::new();
+    for statement in block {
+        all.push(statement);
+        match statement {
+            Statement::If { accept, reject, .. } => {
+                all.extend(every(accept));
+                all.extend(every(reject));
+            }
+            Statement::Switch { cases, .. } => {
+                all.extend(cases.iter().flat_map(|case| every(&case.body)));
+            }
+            Statement::Loop {
+                body, continuing, ..
+            } => {
+                all.extend(every(body));
+                all.extend(every(continuing));
+            }
+            Statement::Block(inner) => all.extend(every(inner)),
+            _ => {}
+        }
+    }
+    all
+}
+
+/// The values that a variable is given in a block, and the conditions under which it is.
+fn stores(
+    function: &Function,
+    block: &Block,
+    of: Handle<LocalVariable>,
+) -> Vec<Handle<Expression>> {
+    let mut all = Vec::new();
+    for statement in block {
+        let within = |blocks: &[&Block]| -> Vec<Handle<Expression>> {
+            let parts = blocks.iter().map(|block| stores(function, block, of));
+            parts.flatten().collect()
+        };
+        match statement {
+            Statement::Store { pointer, value } => {
+                all.extend((variable(function, *pointer) == Some(of)).then_some(*value));
+            }
+            Statement::If {
+                condition,
+                accept,
+                reject,
+            } => {
+                let inner = within(&[accept, reject]);
+                all.extend((!inner.is_empty()).then_some(*condition));
+                all.extend(inner);
+            }
+            Statement::Switch { selector, cases } => {
+                let bodies: Vec<&Block> = cases.iter().map(|case| &case.body).collect();
+                let inner = within(&bodies);
+                all.extend((!inner.is_empty()).then_some(*selector));
+                all.extend(inner);
+            }
+            Statement::Loop {
+                body, continuing, ..
+            } => all.extend(within(&[body, continuing])),
+            Statement::Block(inner) => all.extend(within(&[inner])),
+            _ => {}
+        }
+    }
+    all
+}
+
+/// The variable to which this points, whole or in part.
+fn variable(function: &Function, pointer: Handle<Expression>) -> Option<Handle<LocalVariable>> {
+    match &function.expressions[pointer] {
+        Expression::LocalVariable(local) => Some(*local),
+        Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+            variable(function, *base)
+        }
+        _ => None,
+    }
 }
 
 impl Walk<'_> {
+    /// What the values of a variable hang on, and the branches in which it is given them.
+    fn of_variable(
+        &self,
+        function: &Function,
+        given: &[Origin],
+        of: Handle<LocalVariable>,
+    ) -> Origin {
+        let here = (std::ptr::from_ref(function).addr(), of);
+        if self.looking.borrow().contains(&here) {
+            return Origin::Constant;
+        }
+        self.looking.borrow_mut().push(here);
+        let mut on = stores(function, &function.body, of);
+        on.extend(function.local_variables[of].init);
+        let origins = on
+            .into_iter()
+            .map(|value| self.origin(function, given, value));
+        let origin = origins.max().unwrap_or(Origin::Constant);
+        self.looking.borrow_mut().pop();
+        origin
+    }
+
+    /// What the answer of a call hangs on.
+    fn of_answer(&self, function: &Function, given: &[Origin], of: Handle<Expression>) -> Origin {
+        let call = every(&function.body)
+            .into_iter()
+            .find_map(|statement| match statement {
+                Statement::Call {
+                    function: called,
+                    arguments,
+                    result,
+                } if *result == Some(of) => Some((&self.module.functions[*called], arguments)),
+                _ => None,
+            });
+        let Some((called, arguments)) = call else {
+            return Origin::Pixel;
+        };
+        let given: Vec<Origin> = arguments
+            .iter()
+            .map(|argument| self.origin(function, given, *argument))
+            .collect();
+        let answers = every(&called.body)
+            .into_iter()
+            .filter_map(|statement| match statement {
+                Statement::Return { value } => *value,
+                _ => None,
+            });
+        let origins = answers.map(|value| self.origin(called, &given, value));
+        origins.max().unwrap_or(Origin::Pixel)
+    }
+
     fn origin(&self, function: &Function, given: &[Origin], of: Handle<Expression>) -> Origin {
         let all = |parts: &[Handle<Expression>]| {
             let origins = parts.iter().map(|part| self.origin(function, given, *part));
@@ -68,7 +203,9 @@ impl Walk<'_> {
                     .collect();
                 all(&parts)
             }
-            // Variables, textures, answers of functions: taken for what differs.
+            E::LocalVariable(local) => self.of_variable(function, given, *local),
+            E::CallResult(_) => self.of_answer(function, given, of),
+            // Textures: taken for what differs.
             _ => Origin::Pixel,
         }
     }
@@ -129,6 +266,7 @@ fn uniform_branches(module: &Module) -> BTreeSet<String> {
         module,
         walked: BTreeSet::new(),
         found: BTreeSet::new(),
+        looking: RefCell::default(),
     };
     let fragments = module.entry_points.iter();
     for entry in fragments.filter(|entry| entry.stage == ShaderStage::Fragment) {
@@ -165,7 +303,7 @@ fn a_branch_on_a_uniform_is_found_wherever_it_stands() {
         .find(|source| source.name.ends_with("globe.wgsl"))
         .expect("the globe");
     let text = globe.text();
-    // In the entry point's file, and where a function is given the whole uniform.
+    // In the entry point's file, and where a function gives a loop its end.
     for (from, to, function) in [
         (
             "if t > 0.0 {",
@@ -173,9 +311,9 @@ fn a_branch_on_a_uniform_is_found_wherever_it_stands() {
             "fragment",
         ),
         (
-            "if is_window * along > 0.05 {",
-            "if is_window > 0.05 {",
-            "studio_radiance",
+            "i < LAMPS",
+            "i < i32(illumination.exposure)",
+            "through_cornea",
         ),
     ] {
         let broken = text.replace(from, to);

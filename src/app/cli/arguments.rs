@@ -5,6 +5,8 @@ use super::values::{
     parse_distance, parse_fps, parse_orbit, parse_scene_fps, parse_seconds, parse_seed, parse_size,
     parse_threshold,
 };
+use crate::appearance::StudioLight;
+use crate::appearance::studio::STUDIO_LIGHTS;
 use crate::lab::measure::MeasureTable;
 use crate::scene::depth_file::DepthUnit;
 use bevy::math::UVec2;
@@ -64,6 +66,9 @@ pub(super) struct Shown {
     /// Distance of black in an inverse depth image; infinitely far without it.
     #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true, requires = "depth")]
     pub(super) depth_far: Option<f32>,
+    /// What the eye is lit by, seen from outside.
+    #[arg(long, value_enum, default_value = "window", value_name = "LIGHT")]
+    pub(super) light: LightArg,
     /// Seed of every random choice, 0 to 18446744073709551615.
     #[arg(
         long,
@@ -87,8 +92,7 @@ pub(super) enum Command {
     ///
     /// Units stand in the keys, sources and conventions at the top; the same table is the same bytes
     /// each time. A number that does not exist is null, and null_reasons beside it says why. --patient
-    /// acts on pupil-ratio, refraction-function, glare, tissue and tear-film; eyes, blur-disc and mtf
-    /// are of published eyes and do not depend on it.
+    /// acts on all but three: eyes, blur-disc and mtf are of published eyes.
     Measure(MeasureArgs),
     /// Lists the built-in patients.
     Patients,
@@ -99,6 +103,29 @@ pub(super) enum Command {
         /// The patient file (RON).
         file: PathBuf,
     },
+}
+
+/// [`StudioLight`] on the command line.
+#[derive(Clone, Copy)]
+pub(super) struct LightArg(pub(super) StudioLight);
+
+impl ValueEnum for LightArg {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [LightArg; STUDIO_LIGHTS.len()] = {
+            let mut all = [LightArg(STUDIO_LIGHTS[0]); STUDIO_LIGHTS.len()];
+            let mut i = 0;
+            while i < all.len() {
+                all[i] = LightArg(STUDIO_LIGHTS[i]);
+                i += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.name()).help(self.0.description()))
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]

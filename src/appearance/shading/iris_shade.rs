@@ -1,16 +1,13 @@
 //! The light that iris and pupil send back. Eye frame, mm. Twin: `shaders/lib/iris_shade.wgsl`.
 
 use super::iris_relief::{
-    IrisFrame, IrisPlace, iris_level, iris_step, iris_texel, relief_gain, relief_march,
+    IrisFrame, IrisPlace, IrisTexel, iris_level, iris_step, iris_texel, relief_gain, relief_march,
     relief_normal, relief_shadow,
 };
-use super::lid_shade::LidShade;
-use super::studio::studio_ambient;
 use crate::appearance::images::MapView;
 use crate::appearance::light_table::iris_light;
-use crate::appearance::materials::Studio;
 use crate::optics::smoothstep::smoothstep;
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
 /// Longest path (mm) of the reflectance map.
 pub const IRIS_PATH_MAX_MM: f64 = 2.5;
@@ -47,20 +44,33 @@ pub fn iris_openness(height: f64) -> f64 {
     (0.80 + height * 2.2).clamp(0.35, 1.15)
 }
 
-/// Radiance of the iris where a refracted ray lands at `point` of its plane, `start` being that point's
-/// place in the map.
-#[expect(clippy::too_many_arguments, reason = "the shader's own arguments")]
-pub fn iris_radiance(
+/// Where a refracted ray meets the iris, what is there, and how it is turned to the ray.
+#[derive(Clone, Copy, Debug)]
+pub struct IrisSurface {
+    /// Place over the plane of the iris, mm.
+    pub at: DVec2,
+    /// Place in the map.
+    pub place: IrisPlace,
+    /// What the map has there.
+    pub texel: IrisTexel,
+    /// Normal of the relief.
+    pub normal: DVec3,
+    /// Cosine of the ray to it.
+    pub view_cosine: f64,
+    /// Level of the map.
+    pub lod: f64,
+}
+
+/// Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
+/// in the map.
+pub fn iris_surface(
     maps: &IrisMaps,
     iris: &IrisFrame,
-    studio: &Studio,
-    head_from_eye: DMat3,
     point: DVec2,
     direction: DVec3,
     start: &IrisPlace,
     footprint: f64,
-    shade: &LidShade,
-) -> DVec3 {
+) -> IrisSurface {
     let lod = iris_level(maps.relief.size(), footprint, point.length(), iris.width());
     // The next coarser level, by its number: between two, devices break ties differently.
     let moved = relief_march(&maps.relief, start, direction, lod.ceil());
@@ -77,34 +87,51 @@ pub fn iris_radiance(
         lod,
         iris.relief,
     );
-    let view_cosine = (-normal.dot(direction)).max(0.2);
-
-    let eye_from_head = head_from_eye.transpose();
-    let light_of = |lamp: Vec3| {
-        let light = eye_from_head * lamp.as_dvec3();
-        iris_light(&maps.light, light, point + moved, iris.root, iris.limbus)
-    };
-    let (key, fill) = (
-        light_of(studio.key_direction),
-        light_of(studio.fill_direction),
-    );
-    let shadow = relief_shadow(&maps.relief, &place, texel.height, key.truncate(), lod);
-    let path = iris_path(texel.thickness, key.z, view_cosine);
-    let at = DVec2::new(path / IRIS_PATH_MAX_MM, texel.melanin);
-    let [r, g, b, _] = maps.reflectance.sample(at, 0.0);
-
-    let key_gain = key.w * relief_gain(normal, key.truncate()) * shadow * shade.key;
-    let fill_gain = fill.w * relief_gain(normal, fill.truncate()) * shade.sky;
-    let open = iris_openness(texel.height) * shade.sky * 0.92;
-    let light = studio.key_color.as_dvec3() * key_gain
-        + studio.fill_color.as_dvec3() * fill_gain
-        + studio_ambient(studio, -head_from_eye.z_axis) * open;
-    iris_edges(DVec3::new(r, g, b) * light, place.uv.y)
+    IrisSurface {
+        at: point + moved,
+        place,
+        texel,
+        normal,
+        view_cosine: (-normal.dot(direction)).max(0.2),
+        lod,
+    }
 }
 
-/// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' light.
-pub fn pupil_radiance(studio: &Studio, lens: DVec3, shade: &LidShade) -> DVec3 {
-    let light = (studio.key_color.as_dvec3() + studio.fill_color.as_dvec3()) * shade.key;
+/// Reflectance of tissue on the path of light that arrives with this z.
+pub fn iris_reflectance(maps: &IrisMaps, surface: &IrisSurface, towards_z: f64) -> DVec3 {
+    let path = iris_path(surface.texel.thickness, towards_z, surface.view_cosine);
+    let at = DVec2::new(path / IRIS_PATH_MAX_MM, surface.texel.melanin);
+    let [r, g, b, _] = maps.reflectance.sample(at, 0.0);
+    DVec3::new(r, g, b)
+}
+
+/// What the iris sends back of a lamp with an irradiance / π of one in the unit direction `light` of the
+/// eye frame.
+pub fn iris_lamp(maps: &IrisMaps, iris: &IrisFrame, surface: &IrisSurface, light: DVec3) -> DVec3 {
+    let arrives = iris_light(&maps.light, light, surface.at, iris.root, iris.limbus);
+    let towards = arrives.truncate();
+    let shadow = relief_shadow(
+        &maps.relief,
+        &surface.place,
+        surface.texel.height,
+        towards,
+        surface.lod,
+    );
+    let gain = arrives.w * relief_gain(surface.normal, towards) * shadow;
+    gain * iris_reflectance(maps, surface, towards.z)
+}
+
+/// Mean cosine in the aqueous of light from all of the sky before an eye: cosines beyond the critical angle
+/// do not occur.
+pub const IRIS_SKY_COSINE: f64 = 0.87;
+
+/// What the iris sends back of surroundings with an irradiance / π of one.
+pub fn iris_ambient(maps: &IrisMaps, surface: &IrisSurface) -> DVec3 {
+    0.92 * iris_openness(surface.texel.height) * iris_reflectance(maps, surface, -IRIS_SKY_COSINE)
+}
+
+/// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' `light`.
+pub fn pupil_radiance(light: DVec3, lens: DVec3) -> DVec3 {
     DVec3::new(0.0016, 0.0013, 0.0012) + light * lens
 }
 

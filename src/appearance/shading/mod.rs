@@ -1,6 +1,6 @@
 //! How the eye's surfaces answer light, in f64: the twins of the shading functions in `shaders/lib`.
 //!
-//! Enters: geometry, maps and the studio. Leaves: linear sRGB radiance, its parts, and the place in a
+//! Enters: geometry, maps and the light. Leaves: linear sRGB radiance, its parts, and the place in a
 //! map that each needs. Each file bears the name of its twin; lengths in mm, angles in rad.
 
 pub mod footprint;
@@ -13,7 +13,7 @@ pub mod lid_shade;
 pub mod limbus;
 pub mod sclera_shade;
 pub mod skin_shade;
-pub mod studio;
+pub mod surroundings;
 pub mod tear_reflection;
 
 fn mix(a: f64, b: f64, share: f64) -> f64 {

@@ -1,21 +1,20 @@
-//! The sclera's diffuse light. Eye frame, mm; `head_from_eye` turns into the head frame.
+//! The sclera's diffuse light. Eye frame, mm.
 //! Twin: `shaders/lib/sclera_shade.wgsl`.
 
 use super::footprint::footprint_level;
 use super::lid_shade::LidShade;
-use super::studio::{studio_ambient, wrapped_cosine};
+use super::surroundings::wrapped_cosines;
 use crate::appearance::images::MapView;
-use crate::appearance::materials::Studio;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 /// The map is azimuthal equidistant from the front, to 100°.
 pub const SCLERA_HALF_ANGLE: f64 = 1.7453293;
 
-/// Light and normal of a place.
+/// Colour and normal of a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScleraShade {
-    /// Diffuse radiance.
-    pub diffuse: DVec3,
+pub struct ScleraSurface {
+    /// Albedo, linear sRGB.
+    pub albedo: DVec3,
     /// Normal with the map's relief.
     pub normal: DVec3,
 }
@@ -34,19 +33,10 @@ pub fn sclera_normal(normal: DVec3, here: f64, right: f64, above: f64) -> DVec3 
     (normal - bump.extend(0.0)).normalize()
 }
 
-/// Irradiance / π under a normal `n` of the eye frame.
-pub fn sclera_light(studio: &Studio, head_from_eye: DMat3, n: DVec3, shade: &LidShade) -> DVec3 {
-    let n = head_from_eye * n;
-    let (key, fill) = (
-        n.dot(studio.key_direction.as_dvec3()),
-        n.dot(studio.fill_direction.as_dvec3()),
-    );
-    // Light travels under the surface: red furthest.
-    let wrapped =
-        |cosine: f64| DVec3::new(0.42, 0.30, 0.24).map(|wrap| wrapped_cosine(cosine, wrap));
-    studio_ambient(studio, n) * shade.sky
-        + studio.key_color.as_dvec3() * wrapped(key) * shade.key
-        + studio.fill_color.as_dvec3() * wrapped(fill) * shade.sky
+/// What the white takes up of a lamp with an irradiance / π of one, at this cosine: light travels under the
+/// surface, red furthest.
+pub fn sclera_lamp(cosine: f64) -> DVec3 {
+    wrapped_cosines(cosine, DVec3::new(0.42, 0.30, 0.24))
 }
 
 /// What the lids reflect back is warm, most of it near their margins.
@@ -64,27 +54,21 @@ pub fn conjunctiva_filter(flesh: DVec3, share: f64) -> DVec3 {
     (flesh / SCLERA_WHITE).powf(share.clamp(0.0, 1.0))
 }
 
-/// Light and normal at a point `p`; `map` holds the albedo and in its last channel the height.
-#[expect(clippy::too_many_arguments, reason = "the shader's own arguments")]
-pub fn sclera_shade(
+/// Albedo and normal at a point `p`; `map` holds the albedo and in its last channel the height.
+pub fn sclera_surface(
     map: &MapView,
     p: DVec3,
     normal: DVec3,
     footprint: f64,
     sclera_radius: f64,
-    studio: &Studio,
-    head_from_eye: DMat3,
-    shade: &LidShade,
-) -> ScleraShade {
+) -> ScleraSurface {
     let uv = sclera_uv(p);
     let texels = map.size().x;
     let lod = footprint_level(footprint, 2.0 * SCLERA_HALF_ANGLE * sclera_radius / texels);
     let [r, g, b, here] = map.sample(uv, lod);
     let height = |x: f64, y: f64| map.sample(uv + DVec2::new(x, y) * (1.5 / texels), lod)[3];
-    let n = sclera_normal(normal, here, height(1.0, 0.0), height(0.0, 1.0));
-    let light = sclera_light(studio, head_from_eye, n, shade);
-    ScleraShade {
-        diffuse: DVec3::new(r, g, b) * light * sclera_lid_bounce(shade),
-        normal: n,
+    ScleraSurface {
+        albedo: DVec3::new(r, g, b),
+        normal: sclera_normal(normal, here, height(1.0, 0.0), height(0.0, 1.0)),
     }
 }

@@ -3,9 +3,7 @@
 
 use super::lamp_lobe::{lamp_alpha, lamp_lobe};
 use super::mix;
-use super::studio::{studio_ambient, studio_radiance, wrapped_cosine};
-use super::tear_reflection::reflected;
-use crate::appearance::materials::Studio;
+use super::surroundings::wrapped_cosines;
 use crate::optics::fresnel::fresnel_dielectric;
 use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3, DVec4};
@@ -58,21 +56,19 @@ pub fn skin_albedo(
     )
 }
 
-/// Irradiance / π, and what passes through a thin lid from behind its edge.
-pub fn skin_light(studio: &Studio, n: DVec3, tissue: DVec4) -> DVec3 {
+/// What skin takes up of a lamp with an irradiance / π of one from the unit direction `l`, and what passes
+/// through a thin lid from behind its edge.
+pub fn skin_lamp(n: DVec3, tissue: DVec4, l: DVec3) -> DVec3 {
     let thin = tissue.y.clamp(0.0, 1.0);
-    let open = tissue.w.clamp(0.0, 1.0);
-    let (key, fill) = (
-        n.dot(studio.key_direction.as_dvec3()),
-        n.dot(studio.fill_direction.as_dvec3()),
-    );
-    let wrapped =
-        |cosine: f64| DVec3::new(0.48, 0.28, 0.20).map(|wrap| wrapped_cosine(cosine, wrap));
-    let ambient = studio_ambient(studio, n) * DVec3::new(0.30, 0.20, 0.17).lerp(DVec3::ONE, open);
-    let lamps =
-        studio.key_color.as_dvec3() * wrapped(key) + studio.fill_color.as_dvec3() * wrapped(fill);
-    let through = DVec3::new(1.0, 0.22, 0.12) * ((-key).max(0.0) * thin * 0.35);
-    ambient + lamps * mix(0.35, 1.0, open) + studio.key_color.as_dvec3() * through
+    let cosine = n.dot(l);
+    let through = DVec3::new(1.0, 0.22, 0.12) * ((-cosine).max(0.0) * thin * 0.35);
+    let shaded = mix(0.35, 1.0, tissue.w.clamp(0.0, 1.0));
+    wrapped_cosines(cosine, DVec3::new(0.48, 0.28, 0.20)) * shaded + through
+}
+
+/// What of the surroundings' irradiance reaches skin that is hidden: red goes furthest into a fold.
+pub fn skin_openness(tissue: DVec4) -> DVec3 {
+    DVec3::new(0.30, 0.20, 0.17).lerp(DVec3::ONE, tissue.w.clamp(0.0, 1.0))
 }
 
 /// Highlight of one lamp on dry skin.
@@ -80,25 +76,37 @@ pub fn skin_sheen(n: DVec3, v: DVec3, l: DVec3, roughness: f64, lamp: f64) -> f6
     lamp_lobe(n, v, l, lamp_alpha(roughness, 0.3 * lamp), 1.42, 0.05)
 }
 
-/// Radiance of the sheen of skin and of the wet film on the margin.
-pub fn skin_specular(studio: &Studio, n: DVec3, v: DVec3, tissue: DVec4, roughness: f64) -> DVec3 {
+/// Roughness of skin, smooth where its margin is wet.
+pub fn skin_roughness(tissue: DVec4, roughness: f64) -> f64 {
+    mix(roughness, 0.14, tissue.x.clamp(0.0, 1.0))
+}
+
+/// The two lobes of one lamp's sheen.
+pub fn skin_lamp_sheen(
+    n: DVec3,
+    v: DVec3,
+    tissue: DVec4,
+    roughness: f64,
+    l: DVec3,
+    radius: f64,
+) -> f64 {
+    let rough = skin_roughness(tissue, roughness);
+    0.62 * skin_sheen(n, v, l, rough, radius) + 0.38 * skin_sheen(n, v, l, rough * 1.7, 0.2)
+}
+
+/// Radiance of the sheen of skin and of the wet film on the margin: `lamps` the lamps' sheen, `ambient` the
+/// irradiance / π about where a mirror looks, `mirrored` the radiance from there.
+pub fn skin_specular(
+    lamps: DVec3,
+    ambient: DVec3,
+    mirrored: DVec3,
+    n: DVec3,
+    v: DVec3,
+    tissue: DVec4,
+) -> DVec3 {
     let wet = tissue.x.clamp(0.0, 1.0);
-    let (key, fill) = (
-        studio.key_direction.as_dvec3(),
-        studio.fill_direction.as_dvec3(),
-    );
-    let rough = mix(roughness, 0.14, wet);
-    let r = reflected(v, n);
-    let key_width = f64::from(studio.key_radius);
-    let lobes = 0.62 * skin_sheen(n, v, key, rough, key_width)
-        + 0.38 * skin_sheen(n, v, key, rough * 1.7, 0.2);
-    let grazing = 1.0 - n.dot(v).max(0.0);
-    let mut specular = studio.key_color.as_dvec3() * lobes
-        + studio.fill_color.as_dvec3() * skin_sheen(n, v, fill, rough * 1.2, 0.3)
-        + studio_ambient(studio, r) * (0.022 + 0.16 * grazing.powi(5));
-    if wet > 0.02 {
-        let film = fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337) * 0.8;
-        specular = specular.lerp(studio_radiance(studio, r, 0.10) * film, wet * 0.7);
-    }
-    specular * mix(0.25, 1.0, tissue.w.clamp(0.0, 1.0))
+    let cosine = n.dot(v).max(0.0);
+    let dry = lamps + ambient * (0.022 + 0.16 * (1.0 - cosine).powi(5));
+    let film = mirrored * (fresnel_dielectric(cosine, 1.0, 1.337) * 0.8);
+    dry.lerp(film, wet * 0.7) * mix(0.25, 1.0, tissue.w.clamp(0.0, 1.0))
 }

@@ -1,20 +1,19 @@
 //! What the tears mirror of the surroundings. Head frame, unit vectors; `n` the normal, `v` towards the
 //! eye that looks. Twin: `shaders/lib/tear_reflection.wgsl`.
 
-use super::studio::studio_radiance;
-use crate::appearance::materials::Studio;
 use crate::optics::fresnel::fresnel_dielectric;
 use crate::optics::smoothstep::smoothstep;
 use crate::optics::tear_film::tear_film_rgb;
 use glam::{DVec2, DVec3};
 
 /// Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place `upper_gap` mm below
-/// the upper lid's margin: lids and lashes hide what lies above.
+/// the upper lid's margin: lids and lashes hide what lies above, and send back `lid_light` times what
+/// skin does. `mirrored` is the radiance from where the mirror looks.
 pub fn tear_reflection(
-    studio: &Studio,
+    mirrored: DVec3,
+    lid_light: DVec3,
     n: DVec3,
     v: DVec3,
-    blur: f64,
     lipid_nm: f64,
     upper_gap: f64,
 ) -> DVec3 {
@@ -25,14 +24,13 @@ pub fn tear_reflection(
     let rise = r.y / DVec2::new(r.x, r.z).length().max(0.05);
     let lid = smoothstep(-0.35, 0.35, upper_gap * 0.42 + 0.25 - rise);
     let outward = smoothstep(-0.05, 0.25, -r.z + 0.25);
-    let skin = DVec3::new(0.10, 0.06, 0.045);
-    f * skin.lerp(studio_radiance(studio, r, blur), lid * outward)
+    let skin = DVec3::new(0.45, 0.27, 0.20) * lid_light;
+    f * skin.lerp(mirrored, lid * outward)
 }
 
 /// Radiance from the meniscus along the lids, a clear thread of tears.
-pub fn meniscus_reflection(studio: &Studio, n: DVec3, v: DVec3) -> DVec3 {
-    let f = fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337);
-    studio_radiance(studio, reflected(v, n), 0.05) * f
+pub fn meniscus_reflection(mirrored: DVec3, n: DVec3, v: DVec3) -> DVec3 {
+    mirrored * fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337)
 }
 
 /// Direction from which the light comes that a mirror of normal `n` sends towards `v`.

@@ -100,7 +100,7 @@ fn eyes() -> Vec<MeasuredEye> {
     ]
 }
 
-const UNITS: [&str; 11] = [
+const UNITS: [&str; 12] = [
     "_mm",
     "_m",
     "_nm",
@@ -108,13 +108,14 @@ const UNITS: [&str; 11] = [
     "_deg",
     "_arcmin",
     "_years",
+    "_percent",
     "_cpd",
     "_sr",
     "_per_mm",
     "_mm_per_degree",
 ];
 /// Numbers without a unit: shares, ratios, indices, counts.
-const PURE: [&str; 43] = [
+const PURE: [&str; 44] = [
     "accommodation",
     "all_orders_luminance",
     "all_orders_luminance_standard_error",
@@ -146,6 +147,7 @@ const PURE: [&str; 43] = [
     "polishing_steps",
     "posterior_shape_factor",
     "ratio",
+    "rays",
     "reflectance",
     "seed",
     "similarity_error",
@@ -339,6 +341,6 @@ proptest! {
             lipid_thickness_nm: d,
             ..MeasuredEye::default()
         };
-        prop_assert_eq!(quick_tables(&eye).len(), 5);
+        prop_assert_eq!(quick_tables(&eye).len(), 6);
     }
 }

@@ -1,0 +1,315 @@
+//! Light of a photographer's, in the place of the world's: what a macro picture of an eye is taken in.
+//!
+//! Enters: which light, and how far it is turned about the head. Leaves: the [`Surroundings`] of it, under a
+//! photographer's exposure: a grey card before the face is as bright in each.
+
+use super::materials::Lamp;
+use super::shading::surroundings::ambient_light;
+use super::surroundings::{STUDIO_SIDE, Surroundings, lamp_color};
+use crate::optics::smoothstep::smoothstep;
+use bevy::math::{DQuat, DVec2, DVec3, Vec3};
+use bevy::reflect::Reflect;
+
+/// A light that an eye is photographed in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+pub enum StudioLight {
+    /// A four-paned window, up and to one side, in a light room, and a small lamp on the other.
+    #[default]
+    Window,
+    /// A square softbox above, and a reflector below.
+    Softbox,
+    /// A ring flash around the lens.
+    Ring,
+    /// Outdoors under clouds: the CIE's standard overcast sky over grey ground.
+    Overcast,
+    /// A table lamp in the evening.
+    Lamp,
+}
+
+/// All of them.
+pub const STUDIO_LIGHTS: [StudioLight; 5] = [
+    StudioLight::Window,
+    StudioLight::Softbox,
+    StudioLight::Ring,
+    StudioLight::Overcast,
+    StudioLight::Lamp,
+];
+
+impl StudioLight {
+    /// The word by which it is asked for.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Window => "window",
+            Self::Softbox => "softbox",
+            Self::Ring => "ring",
+            Self::Overcast => "overcast",
+            Self::Lamp => "lamp",
+        }
+    }
+
+    /// What it is, for lists.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Window => "a window in a light room",
+            Self::Softbox => "a softbox above, a reflector below",
+            Self::Ring => "a ring flash around the lens",
+            Self::Overcast => "outdoors under clouds",
+            Self::Lamp => "a table lamp in the evening",
+        }
+    }
+
+    /// The one of this name.
+    pub fn of(name: &str) -> Option<Self> {
+        STUDIO_LIGHTS.into_iter().find(|light| light.name() == name)
+    }
+}
+
+/// A studio.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+pub struct Studio {
+    /// Its light.
+    pub light: StudioLight,
+    /// How far all of it is turned about the vertical, degrees.
+    pub turn_deg: f32,
+}
+
+/// Irradiance / π on a face, as a luminance, that a photographer exposes for.
+const FACE_LIGHT: f64 = 0.845;
+/// Outer radius of a ring flash and the share of it that is its hole, mm.
+const RING_MM: f32 = 33.0;
+const RING_HOLE: f32 = 0.68;
+
+/// What shines in a studio.
+struct Shining {
+    direction: DVec3,
+    /// Half of its sides, or its radius, as tangents.
+    half: DVec2,
+    shape: Shape,
+    /// Irradiance / π.
+    color: DVec3,
+}
+
+enum Shape {
+    Disc,
+    /// Brighter above by half.
+    Square,
+    /// Four panes of sky, brighter above.
+    Panes,
+}
+
+/// Width of an edge, as a tangent.
+const EDGE: f64 = 0.008;
+
+impl Shining {
+    fn disc(direction: DVec3, radius: f64, color: DVec3) -> Self {
+        let half = DVec2::splat(radius);
+        Self {
+            direction: direction.normalize(),
+            half,
+            shape: Shape::Disc,
+            color,
+        }
+    }
+
+    /// Radiance but for a factor.
+    fn at(&self, d: DVec3) -> f64 {
+        let along = d.dot(self.direction);
+        if along <= 0.05 {
+            return 0.0;
+        }
+        let right = DVec3::Y.cross(self.direction).normalize_or(DVec3::X);
+        let above = self.direction.cross(right);
+        let p = DVec2::new(d.dot(right), d.dot(above)) / along;
+        let inside = |off: f64| smoothstep(EDGE, -EDGE, off);
+        let within = inside(p.x.abs() - self.half.x) * inside(p.y.abs() - self.half.y);
+        let up = (p.y / self.half.y).clamp(-1.0, 1.0);
+        match self.shape {
+            Shape::Disc => inside(p.length() - self.half.x),
+            Shape::Square => within * (1.0 + 0.2 * up),
+            Shape::Panes => {
+                let bar = (0.07 * self.half.x).max(0.02);
+                let panes = |off: f64| smoothstep(-EDGE, EDGE, off.abs() - bar);
+                within * panes(p.x) * panes(p.y) * (0.75 + 0.25 * up)
+            }
+        }
+    }
+
+    /// Radiance over what [`Self::at`] says.
+    fn factor(&self) -> DVec3 {
+        let reach = 1.1 * self.half.max_element() + EDGE;
+        let unit = lamp_color(self.direction, reach.atan(), |d| DVec3::splat(self.at(d)));
+        self.color / f64::from(unit.x).max(1e-9)
+    }
+}
+
+/// Radiance between below and above.
+fn dome(down: DVec3, up: DVec3) -> impl Fn(DVec3) -> DVec3 {
+    move |d| down.lerp(up, smoothstep(0.15, 0.85, 0.5 + 0.5 * d.y))
+}
+
+/// The standard overcast sky (CIE S 011: (1 + 2 sin γ)/3 of the zenith) over ground of a fifth.
+fn overcast(d: DVec3) -> DVec3 {
+    let sky = DVec3::new(0.97, 1.0, 1.05);
+    let zenith = 1.0;
+    let over = zenith * (1.0 + 2.0 * d.y.max(0.0)) / 3.0;
+    let ground = 0.2 * 7.0 / 9.0 * zenith;
+    sky * (ground + (over - ground) * smoothstep(-0.02, 0.06, d.y))
+}
+
+impl Studio {
+    /// What surrounds an eye there.
+    pub fn surroundings(&self) -> Surroundings {
+        let rgb = DVec3::new;
+        let room = |down: DVec3, up: DVec3| Box::new(dome(down, up)) as Box<dyn Fn(DVec3) -> DVec3>;
+        let (around, shining) = match self.light {
+            StudioLight::Window => (
+                room(rgb(0.15, 0.135, 0.125), rgb(0.24, 0.245, 0.26)),
+                vec![
+                    // The window stands up and to the viewer's left, the lamp low on the right.
+                    Shining {
+                        direction: rgb(0.50, 0.52, -0.78).normalize(),
+                        half: DVec2::new(0.108, 0.15),
+                        shape: Shape::Panes,
+                        color: rgb(0.78, 0.80, 0.82),
+                    },
+                    Shining::disc(rgb(-0.72, -0.05, -0.62), 0.07, rgb(0.10, 0.088, 0.08)),
+                ],
+            ),
+            StudioLight::Softbox => (
+                room(rgb(0.05, 0.048, 0.046), rgb(0.09, 0.09, 0.09)),
+                vec![
+                    Shining {
+                        direction: rgb(0.30, 0.55, -0.78).normalize(),
+                        half: DVec2::splat(0.32),
+                        shape: Shape::Square,
+                        color: rgb(0.86, 0.85, 0.83),
+                    },
+                    Shining::disc(rgb(-0.30, -0.62, -0.72), 0.30, rgb(0.15, 0.14, 0.13)),
+                ],
+            ),
+            StudioLight::Ring => (
+                room(rgb(0.05, 0.047, 0.045), rgb(0.07, 0.07, 0.07)),
+                Vec::new(),
+            ),
+            StudioLight::Overcast => (
+                Box::new(overcast) as Box<dyn Fn(DVec3) -> DVec3>,
+                Vec::new(),
+            ),
+            StudioLight::Lamp => (
+                room(rgb(0.060, 0.040, 0.024), rgb(0.10, 0.066, 0.038)),
+                vec![Shining::disc(
+                    rgb(-0.62, 0.30, -0.72),
+                    0.14,
+                    rgb(0.95, 0.63, 0.34),
+                )],
+            ),
+        };
+        let turn = DQuat::from_rotation_y(f64::from(self.turn_deg).to_radians());
+        let back = turn.inverse();
+        let mut lamps: Vec<Lamp> = shining
+            .iter()
+            .map(|lamp| Lamp {
+                direction: (turn * lamp.direction).as_vec3(),
+                radius: lamp.half.max_element() as f32,
+                color: lamp.color.as_vec3(),
+                hole: -1.0,
+            })
+            .collect();
+        let factors: Vec<DVec3> = shining.iter().map(Shining::factor).collect();
+        let shine = |d: DVec3| {
+            let d = back * d;
+            let lamps = shining.iter().zip(&factors);
+            lamps.map(|(lamp, factor)| *factor * lamp.at(d)).sum()
+        };
+        if self.light == StudioLight::Ring {
+            lamps.push(Lamp {
+                color: Vec3::new(0.80, 0.80, 0.80),
+                ..ring(Vec3::NEG_Z, 93.0)
+            });
+        }
+        let mut found = Surroundings::new(STUDIO_SIDE, |d| around(back * d), shine, lamps);
+        found.exposure = (FACE_LIGHT / face_light(&found)) as f32;
+        found
+    }
+}
+
+/// A ring flash around a lens in this unit direction, this far (mm) from the eye; its colour is left out.
+pub fn ring(direction: Vec3, distance_mm: f32) -> Lamp {
+    Lamp {
+        direction,
+        radius: (RING_MM / distance_mm.max(1.0)).atan(),
+        color: Vec3::ZERO,
+        hole: RING_HOLE,
+    }
+}
+
+/// Luminance of a white card in place of the face.
+pub fn face_light(around: &Surroundings) -> f64 {
+    let n = DVec3::NEG_Z;
+    let ambient = ambient_light(&around.ambient.map(|factor| factor.extend(0.0)), n);
+    let lamps: DVec3 = around
+        .lamps
+        .iter()
+        .map(|lamp| lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(n).max(0.0))
+        .sum();
+    (ambient + lamps)
+        .dot(DVec3::new(0.2126, 0.7152, 0.0722))
+        .max(1e-6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::images::MapView;
+    use crate::appearance::shading::surroundings::{surroundings_direction, surroundings_radiance};
+
+    #[test]
+    fn a_card_is_as_bright_in_every_light() {
+        for light in STUDIO_LIGHTS {
+            let around = Studio {
+                light,
+                turn_deg: 0.0,
+            }
+            .surroundings();
+            let card = face_light(&around) * f64::from(around.exposure);
+            assert!((card - FACE_LIGHT).abs() < 1e-6, "{light:?}: {card}");
+            assert_eq!(StudioLight::of(light.name()), Some(light));
+        }
+        assert_eq!(StudioLight::of("moon"), None);
+    }
+
+    /// What is mirrored of a lamp is what lights: the map without the rest has its irradiance.
+    #[test]
+    fn the_map_holds_the_light_of_its_lamps() {
+        for light in [StudioLight::Window, StudioLight::Softbox, StudioLight::Lamp] {
+            let around = Studio {
+                light,
+                turn_deg: 25.0,
+            }
+            .surroundings();
+            let view = MapView::new(&around.levels, false);
+            let side = 512;
+            let n = around.lamps[0].direction.as_dvec3();
+            let (mut all, texel) = (DVec3::ZERO, 16.0 / f64::from(side * side));
+            for row in 0..side {
+                for column in 0..side {
+                    let uv =
+                        (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / f64::from(side);
+                    if uv.distance(DVec2::splat(0.5)) < 0.5 {
+                        let d = surroundings_direction(uv);
+                        all += surroundings_radiance(&view, d, 0.0) * d.dot(n).max(0.0) * texel;
+                    }
+                }
+            }
+            let ambient = ambient_light(&around.ambient.map(|factor| factor.extend(0.0)), n);
+            let lamps: DVec3 = around
+                .lamps
+                .iter()
+                .map(|lamp| lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(n).max(0.0))
+                .sum();
+            let (found, wanted) = (all / core::f64::consts::PI, ambient + lamps);
+            println!("{light:?}: {found:.4} for {wanted:.4}");
+            assert!(found.distance(wanted) < 0.02 * wanted.length(), "{light:?}");
+        }
+    }
+}
