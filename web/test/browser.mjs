@@ -205,7 +205,12 @@ async function checkDensity(url, { ratio, sizes, touch }) {
   const browser = await launch([...SOFTWARE_WEBGPU, ...flags]);
   const { page, complaints } = await openPage(browser, { viewport: null });
   if (touch) await becomeTelephone(page);
-  await checkStart(page, `${url}#v=1&patient=healthy-blue&scene=chart`, `first live frame at ${ratio} pixels a point`);
+  // Under another light than the usual one: its lamp is mirrored by a shader of its own.
+  const link = "v=1&patient=healthy-blue&scene=chart&light=ring";
+  await checkStart(page, `${url}#${link}`, `first live frame at ${ratio} pixels a point`);
+  await check(`the link keeps its light at ${ratio} pixels a point`, async () => {
+    assert.match(await page.evaluate(() => location.hash), /light=ring/);
+  });
   if (touch && tally.failed === 0) await checkTelephone(page);
   if (tally.failed === 0) await checkWindows(page, ratio, sizes);
   await check(`nothing is reported in the console at ${ratio} pixels a point`, () => assert.deepEqual(complaints, []));

@@ -68,19 +68,6 @@ async function reach(page, name) {
 export async function checkConditions(page) {
   await setPaused(page, true);
   const healthy = await panels(page, "without-cataract.png");
-  await check("the eye is lit as a link says, and what it sees is not", async () => {
-    const link = await page.evaluate(() => location.hash);
-    await page.evaluate((hash) => { location.hash = `${hash}&light=ring`; }, link);
-    const lit = await until(MOTION_LIMIT_S, async () => {
-      const { eye, view } = changes(healthy, await panels(page, "ring.png"));
-      return eye > 0.2 && view < 0.02;
-    });
-    assert(lit, "the eye is lit as before, or the view has changed");
-    assert.match(await page.evaluate(() => location.hash), /light=ring/);
-    await page.evaluate((hash) => { location.hash = hash; }, link);
-    const back = await until(MOTION_LIMIT_S, async () => changes(healthy, await panels(page)).eye < 0.005);
-    assert(back, "the window's light does not come back");
-  });
   await check("a cataract begins by its control, and both panels show it", async () => {
     const [x, y] = await reach(page, "anatomy");
     await page.mouse.click(x, y);
