@@ -11,7 +11,7 @@ use ocularium::lab::record::{RecordPlugin, plugins};
 use ocularium::prelude::*;
 
 fn main() -> AppExit {
-    let recording = room::recording();
+    let recording = room::recording("The eye of a patient in a scene, under its lights.");
     App::new()
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
         .add_plugins(RecordPlugin(recording))

@@ -10,7 +10,9 @@ use ocularium::lab::record::{RecordPlugin, plugins};
 use ocularium::prelude::*;
 
 fn main() -> AppExit {
-    let recording = room::recording();
+    let recording = room::recording(
+        "A room as somebody sees it who grows short-sighted while she walks into it.",
+    );
     App::new()
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
         .add_plugins(RecordPlugin(recording))

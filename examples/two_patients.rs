@@ -10,7 +10,8 @@ use ocularium::lab::record::{RecordPlugin, plugins};
 use ocularium::prelude::*;
 
 fn main() -> AppExit {
-    let recording = room::recording();
+    let recording =
+        room::recording("The same room through two pairs of eyes: before and after glaucoma.");
     App::new()
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
         .add_plugins(RecordPlugin(recording.clone()))

@@ -3,21 +3,26 @@
 #![allow(dead_code, reason = "no example uses all of it")]
 
 use bevy::prelude::*;
+use ocularium::lab::headless::require_device;
 use ocularium::lab::record::{Recording, USAGE};
 
-/// What the command line asks for; the program ends where it makes no sense.
-pub fn recording() -> Option<Recording> {
+/// What the command line asks for; the program ends where it makes no sense, or where there is nothing to
+/// draw with. `shows` says what the example is of.
+pub fn recording(shows: &str) -> Option<Recording> {
     if std::env::args().any(|argument| matches!(&*argument, "--help" | "-h")) {
-        println!("Opens a window. Options: {USAGE}.");
+        println!("{shows} It opens a window. Options: {USAGE}.");
         std::process::exit(0);
     }
-    match Recording::from_arguments(std::env::args().skip(1)) {
-        Ok(recording) => recording,
-        Err(sentence) => {
+    let recording =
+        Recording::from_arguments(std::env::args().skip(1)).unwrap_or_else(|sentence| {
             eprintln!("{sentence}");
             std::process::exit(2);
-        }
+        });
+    if let Err(error) = require_device() {
+        eprintln!("{error}");
+        std::process::exit(1);
     }
+    recording
 }
 
 /// Where somebody sits in the room, and where she looks.

@@ -175,6 +175,10 @@ pub struct Percept {
     pub(super) colour: Option<(f64, [f32; 3])>,
     #[reflect(ignore)]
     pub(super) shown: Option<(PerceptUniform, Option<MediaUniform>)>,
+    /// Has the eye looked at this view since it was new? What is merely drawn again, as where another
+    /// form of a pass is being built, is not looked at again while time stands still.
+    #[reflect(ignore)]
+    pub(super) has_looked: bool,
     #[reflect(ignore)]
     pub(super) captured: CaptureResult,
     #[reflect(ignore)]
@@ -219,6 +223,7 @@ impl Default for Percept {
             spread: None,
             colour: None,
             shown: None,
+            has_looked: false,
             captured: CaptureResult::default(),
             captured_half: Vec2::ONE,
             returned: PerceptReturn::default(),
@@ -250,6 +255,12 @@ impl Percept {
         self.is_new = true;
         self.photo = None;
         self.moved = Moved::default();
+    }
+
+    /// Shows, and looks at, the view as a new one.
+    pub(super) fn show_anew(&mut self) {
+        self.shown = None;
+        self.has_looked = false;
     }
 
     /// Takes the picture again, for a change that nobody else notices: of a material of one's own, say.
@@ -344,7 +355,7 @@ pub(super) fn receive(
             if is_last && percept.stage == Stage::Asked {
                 percept.stage = Stage::Done;
                 percept.is_new = false;
-                percept.shown = None;
+                percept.show_anew();
             }
             *has_come = true;
             is_news = true;

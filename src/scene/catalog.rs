@@ -237,10 +237,19 @@ impl SceneSource {
         };
         // As in the window: the one picture that is called so.
         let mut depth = depth.map(Into::into);
-        if depth.is_none()
-            && found.len() > 1
-            && found.iter().filter(|path| is_depth(path)).count() == 1
-        {
+        let depths = found.iter().filter(|path| is_depth(path)).count();
+        // Among pictures they would be taken for pictures.
+        if depths > 1 && depths < found.len() {
+            return Err(SceneError::Content {
+                source_name: folder.display().to_string(),
+                reason: format!(
+                    "{depths} of its {} pictures are called depth images, but one goes with all of a folder: \
+                     leave the others out",
+                    found.len()
+                ),
+            });
+        }
+        if depth.is_none() && found.len() > 1 && depths == 1 {
             depth = found.iter().position(is_depth).map(|at| found.remove(at));
         }
         // Before all of them are read.
@@ -319,6 +328,23 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(message.contains("does not exist"), "{message}");
+    }
+
+    #[test]
+    fn several_depth_images_are_not_taken_for_pictures() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["1.png", "1_depth.png", "2.png", "2_depth.png"] {
+            image::RgbImage::new(16, 16)
+                .save(folder.path().join(name))
+                .unwrap();
+        }
+        let error = SceneSource::parse(folder.path(), None).unwrap_err();
+        assert!(error.to_string().contains("2 of its 4 pictures"), "{error}");
+        std::fs::remove_file(folder.path().join("2_depth.png")).unwrap();
+        let source = SceneSource::parse(folder.path(), None).unwrap();
+        assert!(
+            matches!(source, SceneSource::Photo { depth: Some(_), files, .. } if files.len() == 2)
+        );
     }
 
     #[test]

@@ -146,6 +146,15 @@ const HURRIED_S: f64 = 0.1;
 /// What they take for that, s.
 const AT_ONCE_S: f64 = 0.01;
 
+/// The pictures of a file that moves by itself.
+#[derive(Debug, Default)]
+pub struct Animation {
+    /// Each with the seconds for which it is shown; none of a file that does not move.
+    pub pictures: Vec<(DynamicImage, f64)>,
+    /// Does the file break off after the last of them?
+    pub is_cut: bool,
+}
+
 /// The pictures of a file that moves by itself, upright and in sRGB, and for how long each is seen (s); none of
 /// a file that does not.
 ///
@@ -155,7 +164,7 @@ pub fn animated_pictures(
     bytes: &[u8],
     source_name: &str,
     most: usize,
-) -> Result<Vec<(DynamicImage, f64)>, SceneError> {
+) -> Result<Animation, SceneError> {
     let damaged = |error: ImageError| malformed(source_name, fault(&error));
     let source = Cursor::new(bytes);
     let format = readable_format(bytes).map_err(|reason| malformed(source_name, reason))?;
@@ -167,7 +176,7 @@ pub fn animated_pictures(
         ImageFormat::Png => {
             let mut decoder = PngDecoder::new(source).map_err(damaged)?;
             if !decoder.is_apng().unwrap_or(false) {
-                return Ok(Vec::new());
+                return Ok(Animation::default());
             }
             let profile = decoder.icc_profile().ok().flatten();
             (profile, decoder.apng().map_err(damaged)?.into_frames())
@@ -175,18 +184,21 @@ pub fn animated_pictures(
         ImageFormat::WebP => {
             let mut decoder = WebPDecoder::new(source).map_err(damaged)?;
             if !decoder.has_animation() {
-                return Ok(Vec::new());
+                return Ok(Animation::default());
             }
             (decoder.icc_profile().ok().flatten(), decoder.into_frames())
         }
-        _ => return Ok(Vec::new()),
+        _ => return Ok(Animation::default()),
     };
-    let mut pictures = Vec::new();
+    let (mut pictures, mut is_cut) = (Vec::new(), false);
     for frame in frames {
         let frame = match frame {
             Ok(frame) => frame,
             // Of a file that is cut off what is whole is seen.
-            Err(_) if !pictures.is_empty() => break,
+            Err(_) if !pictures.is_empty() => {
+                is_cut = true;
+                break;
+            }
             Err(error) => return Err(damaged(error)),
         };
         if pictures.len() == most {
@@ -208,7 +220,7 @@ pub fn animated_pictures(
         let image = colour::to_srgb(image, format, bytes, profile.as_deref(), &mut |_| {});
         pictures.push((image, seconds));
     }
-    Ok(pictures)
+    Ok(Animation { pictures, is_cut })
 }
 
 /// A PNG without its ancillary chunks, but for transparency; `None` of other files, and of chunks that

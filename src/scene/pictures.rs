@@ -101,7 +101,18 @@ pub fn load_pictures(
         let most = (MAX_COURSE_TEXELS / texels.max(1)) as usize;
         let found = animated_pictures(first, first_name, most)?;
         let mut left_out = 0;
-        for (image, seconds) in found {
+        if found.is_cut {
+            let count = found.pictures.len();
+            scene.remarks.push(format!(
+                "\"{source_name}\" is cut off or damaged: only its first {} whole.",
+                if count == 1 {
+                    "picture is".into()
+                } else {
+                    format!("{count} pictures are")
+                }
+            ));
+        }
+        for (image, seconds) in found.pictures {
             let rgb = on_white(image);
             if rgb.dimensions() == (scene.width, scene.height) {
                 pictures.push(take(rgb.into_raw(), shown_s.unwrap_or(seconds)));
@@ -241,6 +252,27 @@ mod tests {
         let course = scene.course.as_ref().expect("several pictures");
         let shade = |picture: &CoursePicture| (picture.rgb16_srgb[0] / 257, picture.until_s);
         course.pictures.iter().map(shade).collect()
+    }
+
+    #[test]
+    fn a_moving_file_that_is_cut_off_is_seen_with_a_remark() {
+        let whole = include_bytes!("../../tests/data/three_seconds.gif");
+        let of = |bytes: &[u8]| {
+            let files = [("a.gif".to_owned(), bytes)];
+            load_pictures(&files, "a.gif", None, &PhotoOptions::default()).expect("pictures")
+        };
+        assert!(
+            of(whole)
+                .remarks
+                .iter()
+                .all(|remark| !remark.contains("cut"))
+        );
+        let cut = of(&whole[..whole.len() * 3 / 4]);
+        assert!(
+            cut.remarks.iter().any(|remark| remark.contains("cut off")),
+            "{:?}",
+            cut.remarks
+        );
     }
 
     #[test]

@@ -114,7 +114,7 @@ pub(in crate::percept) fn perceive(
         let into = Some((target.clone(), worn.size(), found.is_none()));
         if percept.drawn_into != into {
             percept.drawn_into = into;
-            percept.shown = None;
+            percept.show_anew();
         }
         let visible = is_shown(options, panel) && worn.size() != UVec2::ZERO;
         let Some((eye, person)) = found else {
@@ -162,7 +162,7 @@ fn frame_of(
     if percept.lifetime != memory.lifetime() {
         percept.lifetime = memory.lifetime();
         percept.forget = true;
-        percept.shown = None;
+        percept.show_anew();
     }
     update_field_map(percept, field.as_ref());
     let size = percept.captured.size;
@@ -234,7 +234,7 @@ fn frame_of(
         // A pass whose pipeline is not built yet is skipped, so what was asked for may not be shown.
         percept.shown = None;
     }
-    let first = percept.shown.is_none();
+    let first = percept.shown.is_none() && !percept.has_looked;
     // During a saccade vision is suppressed, and behind closed lids there is none. A new view is looked
     // at once all the same, or its voxels that an older view left unseen would stand between those that
     // it saw.
@@ -259,6 +259,8 @@ fn frame_of(
         target: target.clone(),
         returned: percept.returned.clone(),
     };
+    // While pipelines are built what is asked for may be skipped, and is asked for again.
+    percept.has_looked |= frame.update && shows.quiet;
     if frame.present {
         percept.shown = Some((uniform, media));
         // A view that only stands in for another has forgotten nothing yet.
@@ -366,7 +368,7 @@ fn loss_numbers(uniform: &mut PerceptUniform, field: &VisualField, mean_seen: f3
 fn update_field_map(percept: &mut Percept, field: Option<&Ref<VisualField>>) {
     let Some(field) = field.filter(|field| !field.is_whole()) else {
         if percept.field.take().is_some() {
-            percept.shown = None;
+            percept.show_anew();
         }
         return;
     };
@@ -374,7 +376,7 @@ fn update_field_map(percept: &mut Percept, field: Option<&Ref<VisualField>>) {
         return;
     }
     let seen = field_texels(field);
-    percept.shown = None;
+    percept.show_anew();
     percept.field = Some(FieldMap {
         of: Arc::new((**field).clone()),
         side: FIELD_SIDE,
