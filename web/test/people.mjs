@@ -54,7 +54,12 @@ async function reach(page, name) {
     if (!places[name]) return null;
     const [x, y, w, h] = places[name];
     const { height } = page.viewportSize();
-    if (y > 40 && y + h < height - 20) return [x + w / 2, y + h / 2, w];
+    if (y > 40 && y + h < height - 20) {
+      // A section opens in steps: a place that is still moving is none.
+      await published(page, 2);
+      const [nowX, nowY] = (await readState(page)).places[name] ?? [];
+      return Math.hypot(nowX - x, nowY - y) < 1 ? [x + w / 2, y + h / 2, w] : null;
+    }
     await page.mouse.move(x + w / 2, height / 2);
     await page.mouse.wheel(0, y < 40 ? -150 : 150);
     await published(page, 2);
