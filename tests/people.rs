@@ -8,7 +8,7 @@ use bevy::math::UVec2;
 use bevy::prelude::*;
 use image::RgbaImage;
 use ocularium::OculariumPlugins;
-use ocularium::anatomy::EyeOf;
+use ocularium::anatomy::{Accommodation, VisualField};
 use ocularium::frame::panel::target_image;
 use ocularium::lab::headless::{Headless, Which, plugins};
 use ocularium::prelude::*;
@@ -559,6 +559,128 @@ fn both_panels_follow_every_component() {
             }
         }
         before = after;
+    }
+}
+
+/// Takes a component out of its entity; gives back what puts it in again.
+type Removal = (
+    &'static str,
+    fn(&mut World, Entity, Entity) -> PutBack,
+    [bool; 2],
+);
+type PutBack = Box<dyn FnOnce(&mut World)>;
+
+fn take<C: Component + Clone>(world: &mut World, entity: Entity) -> PutBack {
+    let taken = world.get::<C>(entity).expect("a component").clone();
+    world.entity_mut(entity).remove::<C>();
+    Box::new(move |world| {
+        world.entity_mut(entity).insert(taken);
+    })
+}
+
+/// Every component of a person and of an eye that somebody may set, and which panels show that it is gone.
+const REMOVALS: &[Removal] = &[
+    ("Cornea", |w, eye, _| take::<Cornea>(w, eye), [true, true]),
+    ("Iris", |w, eye, _| take::<Iris>(w, eye), [true, true]),
+    ("Sclera", |w, eye, _| take::<Sclera>(w, eye), [true, false]),
+    ("Lens", |w, eye, _| take::<Lens>(w, eye), [false, false]),
+    (
+        "Refraction",
+        |w, eye, _| take::<Refraction>(w, eye),
+        [true, true],
+    ),
+    ("Lids", |w, eye, _| take::<Lids>(w, eye), [true, true]),
+    ("Gaze", |w, eye, _| take::<Gaze>(w, eye), [false, true]),
+    ("Pupil", |w, eye, _| take::<Pupil>(w, eye), [false, true]),
+    (
+        "Accommodation",
+        |w, eye, _| take::<Accommodation>(w, eye),
+        [false, true],
+    ),
+    (
+        "OcularMedia",
+        |w, eye, _| take::<OcularMedia>(w, eye),
+        [false, false],
+    ),
+    (
+        "VisualField",
+        |w, eye, _| take::<VisualField>(w, eye),
+        [false, false],
+    ),
+    (
+        "Skin",
+        |w, _, patient| take::<Skin>(w, patient),
+        [true, false],
+    ),
+    (
+        "Eyelids",
+        |w, _, patient| take::<Eyelids>(w, patient),
+        [false, true],
+    ),
+    (
+        "PupilControl",
+        |w, _, patient| take::<PupilControl>(w, patient),
+        [false, false],
+    ),
+    (
+        "Adaptation",
+        |w, _, patient| take::<Adaptation>(w, patient),
+        [false, false],
+    ),
+];
+
+/// Whatever is taken out of a person or an eye, nothing stops; and when it is put back both panels show again
+/// what they showed.
+#[test]
+fn every_component_may_go_and_come_back() {
+    let _alone = alone();
+    let size = UVec2::splat(160);
+    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, 0.0, 0.0, 0.15);
+    headless.go_to(0.5);
+    headless.go_to(4.0);
+    let patient = headless.stage().patient;
+    let mut time_s = 4.0;
+    let mut wait = |headless: &mut Headless, is_whole: bool| {
+        for _ in 0..4 {
+            time_s += 1.0;
+            headless.go_to(time_s);
+        }
+        // Through an eye that is not whole nobody sees, and no view comes.
+        if is_whole {
+            settle(headless);
+        }
+        [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
+    };
+    for (name, remove, shows) in REMOVALS {
+        let eye = headless
+            .world()
+            .query_filtered::<(Entity, &Eye), With<EyeOf>>()
+            .iter(headless.world())
+            .find(|(_, eye)| eye.laterality == Laterality::OD)
+            .map(|(entity, _)| entity)
+            .expect("a right eye");
+        let before = wait(&mut headless, true);
+        let put_back = remove(headless.world(), eye, patient);
+        let without = wait(&mut headless, false);
+        put_back(headless.world());
+        let after = wait(&mut headless, true);
+        for panel in 0..2 {
+            let shown = ["eye", "view"][panel];
+            let gone = difference(&before[panel], &without[panel]);
+            let back = difference(&before[panel], &after[panel]);
+            println!("{name:14} {shown:4} without it {gone:7.3}, with it again {back:.3}");
+            // An eye that is not whole is not drawn, or not drawn anew, and sees nothing.
+            if shows[panel] {
+                assert!(gone > 30.0, "{name}: the {shown} differs by {gone}");
+            } else {
+                assert!(gone < 0.6, "{name}: the {shown} differs by {gone}");
+            }
+            // Pupils are never at rest.
+            assert!(back < 0.6, "{name}: the {shown} differs by {back}");
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! What lights an eye: a studio of its own, or the lights of the world that it stands in.
 
 use super::eye_camera::{EyeCamera, EyeOrbit};
-use super::images::map_image;
-use super::materials::{Illumination, Lamp, MOST_LAMPS};
+use super::illumination::{Illumination, Lamp, MOST_LAMPS};
 use super::model::{EyeAssets, EyeLight, EyeParts};
 use super::studio::{Studio, StudioLight, ring};
 use super::surroundings::Surroundings;
@@ -238,7 +237,7 @@ pub fn light_eyes(
             {
                 lit.map.clone()
             }
-            _ => assets.images.add(map_image(&around.levels, false)),
+            _ => assets.images.add(around.image()),
         };
         let is_lit = known.is_some_and(|lit| lit.illumination == illumination && lit.map == map);
         if is_lit {

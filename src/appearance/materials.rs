@@ -5,6 +5,7 @@
 //! [`SkinMaterial`], [`HairMaterial`], [`MeniscusMaterial`]), which any Bevy
 //! app can put on the meshes of this folder.
 
+use super::illumination::{Illumination, LightKey};
 use crate::frame::shaders;
 use bevy::asset::{Asset, Handle};
 use bevy::image::Image;
@@ -12,81 +13,11 @@ use bevy::math::{Mat4, Vec2, Vec3, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::AlphaMode;
-use bevy::reflect::{Reflect, TypePath};
+use bevy::reflect::TypePath;
 use bevy::render::render_resource::{
     AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureFormat,
 };
 use bevy::shader::{ShaderDefVal, ShaderRef};
-
-/// Most lamps that light an eye.
-pub const MOST_LAMPS: usize = 8;
-
-/// A lamp (struct `Lamp` of `shaders/lib/surroundings.wgsl`).
-#[derive(Clone, Copy, Debug, PartialEq, Reflect, ShaderType)]
-pub struct Lamp {
-    /// Unit direction towards it, head frame.
-    pub direction: Vec3,
-    /// Angular radius, rad.
-    pub radius: f32,
-    /// Irradiance / π across its beam, linear sRGB.
-    pub color: Vec3,
-    /// What it is mirrored as: a disc (0), a ring whose hole has this share of its radius (to 1), or nothing,
-    /// as it stands in the map of the surroundings (−1).
-    pub hole: f32,
-}
-
-impl Default for Lamp {
-    fn default() -> Self {
-        Self {
-            direction: Vec3::NEG_Z,
-            radius: 0.05,
-            color: Vec3::ZERO,
-            hole: -1.0,
-        }
-    }
-}
-
-/// The light that falls on an eye (struct `Illumination` of `shaders/lib/surroundings.wgsl`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
-pub struct Illumination {
-    /// The lamps.
-    pub lamps: [Lamp; MOST_LAMPS],
-    /// Irradiance / π from the surroundings without the lamps, by the normal: factors of
-    /// [`super::shading::surroundings::ambient_basis`].
-    pub ambient: [Vec4; 9],
-    /// Factor on all of it before the output transform.
-    pub exposure: f32,
-    /// 1 where all of this is in cd/m² and the camera's exposure is still to come, 0 where the picture's
-    /// own is all.
-    pub is_luminance: f32,
-    /// Fills the shader's struct.
-    pub unused: f32,
-    /// Fills it too.
-    pub unused_too: f32,
-}
-
-impl Illumination {
-    /// What the pipeline is told of it.
-    fn key(&self) -> LightKey {
-        let lit = |lamp: &Lamp| lamp.color.max_element() > 0.0;
-        let count = self.lamps.iter().rposition(lit).map_or(0, |last| last + 1);
-        LightKey {
-            // A few numbers, so that a lamp more is not always another pipeline.
-            lamps: [0, 1, 2, 4]
-                .into_iter()
-                .find(|most| count <= *most)
-                .unwrap_or(MOST_LAMPS) as u32,
-            has_bare: self.lamps.iter().any(|lamp| lit(lamp) && lamp.hole >= 0.0),
-        }
-    }
-}
-
-/// How many lamps a pipeline looks at, and whether any of them stands in no map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct LightKey {
-    lamps: u32,
-    has_bare: bool,
-}
 
 /// Samples of each lid margin's height (`LID_SAMPLES` of the shader).
 pub const LID_SAMPLES: usize = 32;
@@ -422,6 +353,7 @@ eye_material!(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::illumination::{Lamp, MOST_LAMPS};
     use crate::frame::shaders;
     use bevy::render::render_resource::encase::UniformBuffer;
 

@@ -16,6 +16,7 @@ pub mod face_cage;
 pub mod face_region;
 pub mod globe_mesh;
 pub mod hair;
+pub mod illumination;
 pub mod images;
 pub mod iris_map;
 pub mod lashes;
@@ -37,7 +38,8 @@ pub mod surroundings;
 mod tissue_maps;
 
 pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, eye_camera};
-pub use materials::{GlobeMaterial, HairMaterial, Lamp, MeniscusMaterial, SkinMaterial};
+pub use illumination::Lamp;
+pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
 pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts};
 pub use studio::{Studio, StudioLight};
 

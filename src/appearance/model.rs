@@ -7,12 +7,13 @@
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
+use super::illumination::Illumination;
 use super::lashes::Lashes;
 use super::light_table::{LightTableSettings, LightTableSize};
 use super::lighting::Lit;
 use super::materials::{
-    GlobeMaterial, GlobePart, HairMaterial, HairUniform, Illumination, LidHeights,
-    MeniscusMaterial, MeniscusUniform, SkinMaterial, SkinUniform,
+    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
+    MeniscusUniform, SkinMaterial, SkinUniform,
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::studio::Studio;

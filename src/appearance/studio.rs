@@ -3,8 +3,7 @@
 //! Enters: which light, and how far it is turned about the head. Leaves: the [`Surroundings`] of it, under a
 //! photographer's exposure: a grey card before the face is as bright in each.
 
-use super::materials::Lamp;
-use super::shading::surroundings::ambient_light;
+use super::illumination::Lamp;
 use super::surroundings::{STUDIO_SIDE, Surroundings, lamp_color};
 use crate::optics::smoothstep::smoothstep;
 use bevy::math::{DQuat, DVec2, DVec3, Vec3};
@@ -245,14 +244,8 @@ pub fn ring(direction: Vec3, distance_mm: f32) -> Lamp {
 
 /// Luminance of a white card in place of the face.
 pub fn face_light(around: &Surroundings) -> f64 {
-    let n = DVec3::NEG_Z;
-    let ambient = ambient_light(&around.ambient.map(|factor| factor.extend(0.0)), n);
-    let lamps: DVec3 = around
-        .lamps
-        .iter()
-        .map(|lamp| lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(n).max(0.0))
-        .sum();
-    (ambient + lamps)
+    around
+        .irradiance(DVec3::NEG_Z)
         .dot(DVec3::new(0.2126, 0.7152, 0.0722))
         .max(1e-6)
 }
@@ -301,13 +294,7 @@ mod tests {
                     }
                 }
             }
-            let ambient = ambient_light(&around.ambient.map(|factor| factor.extend(0.0)), n);
-            let lamps: DVec3 = around
-                .lamps
-                .iter()
-                .map(|lamp| lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(n).max(0.0))
-                .sum();
-            let (found, wanted) = (all / core::f64::consts::PI, ambient + lamps);
+            let (found, wanted) = (all / core::f64::consts::PI, around.irradiance(n));
             println!("{light:?}: {found:.4} for {wanted:.4}");
             assert!(found.distance(wanted) < 0.02 * wanted.length(), "{light:?}");
         }

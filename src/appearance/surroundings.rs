@@ -4,9 +4,9 @@
 //! levels, the lamps, and the irradiance of the rest as nine factors (spherical harmonics to the
 //! second degree hold 99 % of what a Lambertian surface takes up: Ramamoorthi and Hanrahan 2001).
 
+use super::illumination::{Illumination, Lamp, MOST_LAMPS};
 use super::images::{Level, map_image};
-use super::materials::{Illumination, Lamp, MOST_LAMPS};
-use super::shading::surroundings::{ambient_basis, surroundings_direction};
+use super::shading::surroundings::{ambient_basis, ambient_light, surroundings_direction};
 use crate::frame::mips::chain;
 use bevy::image::Image;
 use bevy::math::{DVec2, DVec3, Vec3};
@@ -90,7 +90,17 @@ impl Surroundings {
         }
     }
 
-    /// As a shader reads it; the lamps are turned by `turn` into the head's frame.
+    /// Irradiance / π on a surface of this unit normal, lamps and all.
+    pub fn irradiance(&self, n: DVec3) -> DVec3 {
+        let lamps: DVec3 = self
+            .lamps
+            .iter()
+            .map(|lamp| lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(n).max(0.0))
+            .sum();
+        lamps + ambient_light(&self.ambient.map(|factor| factor.extend(0.0)), n)
+    }
+
+    /// As a shader reads it.
     pub fn illumination(&self) -> Illumination {
         let mut lamps = [Lamp::default(); MOST_LAMPS];
         for (to, lamp) in lamps.iter_mut().zip(&self.lamps) {
@@ -162,7 +172,6 @@ pub fn lamp_color(direction: DVec3, reach_rad: f64, radiance: impl Fn(DVec3) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::shading::surroundings::ambient_light;
 
     /// Irradiance / π by the integral itself.
     fn integral(n: DVec3, radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {

@@ -78,9 +78,18 @@ type AnatomyChanged = Or<(
     Changed<Patient>,
 )>;
 
-fn notice_anatomy(changed: Query<Entity, AnatomyChanged>, mut stale: ResMut<Stale>) {
-    if !changed.is_empty() {
+fn notice_anatomy(
+    changed: Query<Entity, AnatomyChanged>,
+    mut irides: RemovedComponents<Iris>,
+    mut refractions: RemovedComponents<Refraction>,
+    mut lids: RemovedComponents<Lids>,
+    mut stale: ResMut<Stale>,
+) {
+    if !changed.is_empty() || !irides.is_empty() || !refractions.is_empty() || !lids.is_empty() {
         stale.0.extend(&changed);
+        stale.0.extend(irides.read());
+        stale.0.extend(refractions.read());
+        stale.0.extend(lids.read());
     }
 }
 
@@ -109,8 +118,25 @@ fn write_anatomy(world: &mut World) {
     });
 }
 
-/// Writes what one eye has; one that is not whole yet is left alone.
-fn write_eye(world: &mut World, entity: Entity, writers: &[(TypeId, Writer)]) -> Option<()> {
+/// Writes what one eye has. What is made of its own parts goes with them.
+fn write_eye(world: &mut World, entity: Entity, writers: &[(TypeId, Writer)]) {
+    let found = affected(world, entity, writers);
+    let Ok(mut eye) = world.get_entity_mut(entity) else {
+        return;
+    };
+    let Some(found) = found else {
+        eye.remove::<(Effective<Refraction>, Effective<Iris>, Effective<Lids>)>();
+        return;
+    };
+    put(&mut eye, found.field);
+    put(&mut eye, found.media);
+    put(&mut eye, Effective(found.refraction));
+    put(&mut eye, Effective(found.iris));
+    put(&mut eye, Effective(found.lids));
+}
+
+/// What an eye has with all of its conditions; `None` of one that is not whole.
+fn affected(world: &World, entity: Entity, writers: &[(TypeId, Writer)]) -> Option<Affected> {
     let eye = world.get_entity(entity).ok()?;
     let owner = world.get_entity(eye.get::<EyeOf>()?.0).ok()?;
     let age_years = owner.get::<Patient>()?.age_years;
@@ -125,13 +151,7 @@ fn write_eye(world: &mut World, entity: Entity, writers: &[(TypeId, Writer)]) ->
     for (_, writer) in writers {
         writer(eye, owner, &mut affected);
     }
-    let mut eye = world.entity_mut(entity);
-    put(&mut eye, affected.field);
-    put(&mut eye, affected.media);
-    put(&mut eye, Effective(affected.refraction));
-    put(&mut eye, Effective(affected.iris));
-    put(&mut eye, Effective(affected.lids));
-    Some(())
+    Some(affected)
 }
 
 pub(super) fn build(app: &mut App) {

@@ -7,7 +7,8 @@ use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
 use glam::{DVec3, DVec4};
 use ocularium::appearance::Studio;
-use ocularium::appearance::materials::{LID_SAMPLES, Lamp, LidHeights};
+use ocularium::appearance::illumination::Lamp;
+use ocularium::appearance::materials::{LID_SAMPLES, LidHeights};
 use ocularium::appearance::shading::lid_shade::LidShade;
 use ocularium::appearance::shading::{
     footprint, hair_shade, lamp_lobe, lens_shade, lid_shade, limbus, surroundings, tear_reflection,

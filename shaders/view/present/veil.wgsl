@@ -15,6 +15,10 @@ var<workgroup> border_light: array<vec3<f32>, 64>;
 // cuts does not go on for ever.
 const BORDER_MOST: f32 = 2.0;
 
+fn luminance(rgb: vec3<f32>) -> f32 {
+    return dot(rgb, vec3<f32>(0.2126, 0.7152, 0.0722));
+}
+
 // The share of the picture at which one of them is, evenly along its border.
 fn border_place(index: u32) -> vec2<f32> {
     let size = vec2<f32>(percept.size);
@@ -39,7 +43,16 @@ fn read_border(index: u32) {
     let level = max(floor(log2(max(apart, 1.0))) - 2.0, 0.0);
     let light = textureSampleLevel(source, view_sampler, uv_of(place), level);
     border_at[index] = place;
-    border_light[index] = light.rgb / max(light.a, 1e-6);
+    let found = light.rgb / max(light.a, 1e-6);
+    border_light[index] = found;
+    workgroupBarrier();
+    var mean = 0.0;
+    for (var k = 0u; k < BORDER_PLACES; k++) {
+        mean += luminance(border_light[k]) / f32(BORDER_PLACES);
+    }
+    let most = BORDER_MOST * max(mean, 1e-9);
+    workgroupBarrier();
+    border_light[index] = found * min(most / max(luminance(found), 1e-9), 1.0);
     workgroupBarrier();
 }
 
@@ -50,11 +63,6 @@ fn around(place: vec2<f32>) -> vec3<f32> {
     let edges = border_edges();
     let spacing = 2.0 * (edges.x + edges.y) / f32(BORDER_PLACES) * 2.0;
     let near = 0.5 * spacing;
-    var mean = vec3<f32>(0.0);
-    for (var k = 0u; k < BORDER_PLACES; k++) {
-        mean += border_light[k] / f32(BORDER_PLACES);
-    }
-    let most = BORDER_MOST * max(dot(mean, vec3<f32>(0.2126, 0.7152, 0.0722)), 1e-9);
     var sum = vec4<f32>(0.0);
     for (var k = 0u; k < BORDER_PLACES; k++) {
         let at = border_at[k];
@@ -66,9 +74,7 @@ fn around(place: vec2<f32>) -> vec3<f32> {
         let distance2 = dot(off, off) + near * near;
         let outwards = max(0.5 * log(BORDER_FARTHEST * BORDER_FARTHEST / distance2), 0.05);
         let weight = across / distance2 * outwards;
-        let light = border_light[k];
-        let luminance = dot(light, vec3<f32>(0.2126, 0.7152, 0.0722));
-        sum += weight * vec4<f32>(light * min(most / max(luminance, 1e-9), 1.0), 1.0);
+        sum += weight * vec4<f32>(border_light[k], 1.0);
     }
     return sum.rgb / max(sum.a, 1e-6);
 }

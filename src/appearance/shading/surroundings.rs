@@ -2,8 +2,8 @@
 //! `shaders/lib/surroundings.wgsl`.
 
 use super::mix;
+use crate::appearance::illumination::Lamp;
 use crate::appearance::images::MapView;
-use crate::appearance::materials::Lamp;
 use crate::optics::smoothstep::smoothstep;
 use bevy::math::Vec4;
 use glam::{DVec2, DVec3};

@@ -18,6 +18,7 @@
 
 use super::Glare;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use glam::DVec2;
 
 /// Angle at which the added straylight is given, rad.
 const STATED_AT_RAD: f64 = 7.0 * core::f64::consts::PI / 180.0;
@@ -42,9 +43,9 @@ pub fn cubic_spline(x: f64) -> f64 {
     }
 }
 
-/// Stereographic place of a tangent from the middle of a view: `2 tan(θ/2)` for `tan θ`.
-pub fn stereographic(tangent: f64) -> f64 {
-    2.0 * tangent / (1.0 + (1.0 + tangent * tangent).sqrt())
+/// Stereographic place of a place in tangents from the middle of a view: `2 tan(θ/2)` for `tan θ`.
+pub fn stereographic(tangents: DVec2) -> DVec2 {
+    2.0 * tangents / (1.0 + (1.0 + tangents.length_squared()).sqrt())
 }
 
 /// The picture in which a veil is spread: the view in the stereographic projection, half as fine.
@@ -61,7 +62,8 @@ impl VeilSource {
     pub fn new(pixels_per_radian: f64, size_px: [u32; 2]) -> Self {
         let texels_per_radian = 0.5 * pixels_per_radian;
         let size = size_px.map(|side| {
-            let half = stereographic(0.5 * f64::from(side.max(1)) / pixels_per_radian);
+            let edge = 0.5 * f64::from(side.max(1)) / pixels_per_radian;
+            let half = stereographic(DVec2::new(edge, 0.0)).x;
             ((2.0 * half * texels_per_radian).ceil() as u32).max(1)
         });
         Self {

@@ -1,12 +1,8 @@
 //! Straylight of clouded media, from the mips of a picture. Twin: `shaders/lib/veil.wgsl`.
 
 use crate::optics::glare::cubic_spline;
+pub use crate::optics::glare::stereographic;
 use glam::DVec2;
-
-/// Stereographic place of a place in tangents from the middle of a view: 2 tan(θ/2) for tan θ.
-pub fn stereographic(tangents: DVec2) -> DVec2 {
-    2.0 * tangents / (1.0 + (1.0 + tangents.length_squared()).sqrt())
-}
 
 /// Tangents from the middle of a view of a stereographic place within 90° of it; beyond, those far out in
 /// its direction.
