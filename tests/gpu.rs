@@ -192,6 +192,7 @@ impl Gpu {
 }
 
 /// A texture that a call reads as `name`, with the sampler `name_sampler`.
+#[derive(Clone)]
 pub struct Map {
     /// Its name in the call.
     pub name: &'static str,

@@ -171,13 +171,17 @@ fn the_validation_can_fail() {
 
 /// Library files, and single functions, that no shader of the app calls yet: light that a shader solves
 /// itself, layers of tissue, glare, and blur that has a direction.
-const WAITING: [&str; 8] = [
+const WAITING: [&str; 12] = [
     "caustic",
     "fermat",
     "glare",
-    "layers",
-    "phase",
+    "layer_reflect_once",
+    "layer_transmit_once",
+    "phase_mix",
     "refraction_function",
+    "sample_henyey_greenstein",
+    "sample_henyey_greenstein_versine",
+    "sample_rayleigh",
     "defocus_blur_covariance",
     "defocus_blur_ellipse",
 ];

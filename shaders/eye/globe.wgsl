@@ -39,20 +39,33 @@ struct Globe {
     lens_turn: f32,
     // Colour of what is thick and bloody of the conjunctiva.
     flesh: vec3<f32>,
+    // Share of the white's light that deep vessels cannot dim.
+    above_vessels: vec3<f32>,
+    // How many times as thick as in its map the iris is.
+    iris_thicken: f32,
+    // Irradiance of the iris under an even sky, see iris_ambient.
+    iris_sky: array<vec4<f32>, 8>,
+    // How deep its furrows are.
+    iris_furrows: f32,
+    tissue: IrisTissue,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
-// Polar map: u the angle, v from the pupil's edge to the root. r: thickness mm, g: melanin of the border layer, b: height mm.
+// Polar map: u the angle, v from the pupil's edge to the root. r: thickness mm, g: melanin of the border layer, b: height mm,
+// a: depth of its furrows, mm.
 @group(#{MATERIAL_BIND_GROUP}) @binding(1) var iris_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var iris_sampler: sampler;
-// Azimuthal equidistant map of the globe's front, to 100 degrees. rgb: albedo, a: height.
+// Azimuthal equidistant map of the globe's front, to 100 degrees: albedo without vessels.
 @group(#{MATERIAL_BIND_GROUP}) @binding(3) var sclera_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(4) var sclera_sampler: sampler;
-// Diffuse reflectance of the iris: u stromal path, v melanin of the border layer.
+// Diffuse reflectance of the iris: u stromal path, v melanin of the border layer, of all light and below of what is scattered
+// more than once.
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var reflectance_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var reflectance_sampler: sampler;
 // Light on the iris plane by its obliquity, see iris_light.
 @group(#{MATERIAL_BIND_GROUP}) @binding(7) var light_table: texture_2d<f32>;
+// In the same projection as the sclera's map. r: blood (mm) of conjunctival vessels, g: of deeper ones, b: height (mm).
+@group(#{MATERIAL_BIND_GROUP}) @binding(8) var vessel_map: texture_2d<f32>;
 
 fn head_from_eye() -> mat3x3f {
     return mat3x3f(globe.head_from_eye[0].xyz, globe.head_from_eye[1].xyz, globe.head_from_eye[2].xyz);
@@ -65,26 +78,26 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     if trace.valid < 0.5 {
         return vec3f(0.02, 0.018, 0.016);
     }
-    let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm);
+    let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, globe.iris_thicken, globe.iris_furrows);
     let place = iris_place(trace.point.xy, iris);
     let surface = iris_surface(iris_map, iris_sampler, iris, trace.point.xy, trace.direction, place, footprint);
-    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface) * ambient(-head_from_eye()[2]) * shade.sky;
+    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * ambient(-head_from_eye()[2]) * shade.sky;
     var lamps = vec3f(0.0);
     for (var i = 0; i < LAMPS; i++) {
         let lamp = illumination.lamps[i];
         let color = lamp.color * shade.key;
         // A row times the turn into the head is the column times the turn out of it.
-        lit += color * iris_lamp(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, surface, lamp.direction * head_from_eye());
+        lit += color * iris_lamp(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.tissue, surface, lamp.direction * head_from_eye());
         lamps += color;
     }
-    lit = iris_edges(lit, surface.place.uv.y);
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
 #ifdef CLOUDED
     lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, trace.direction.xy / max(trace.direction.z, 0.2), globe.lens_turn);
 #endif
     let inside = iris_and_pupil(pupil_radiance(lamps, lens), lit, edge, place.uv.y);
-    return inside * trace.transmittance;
+    // Radiance spreads where it leaves the aqueous.
+    return inside * (trace.transmittance / (globe.aqueous_index * globe.aqueous_index));
 }
 #endif
 
@@ -98,7 +111,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let eye_from_head = transpose(head_from_eye());
     camera = eye_from_head * camera;
     p = eye_from_head * p;
-    normal = eye_from_head * normal;
+    // Where it is thin it lies on the globe and has its shape.
+    normal = normalize(mix(normalize(p), eye_from_head * normal, smoothstep(0.0, 0.5, in.tissue.b)));
 #endif
     let direction = normalize(p - camera);
     var corneal = 0.0;
@@ -116,9 +130,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #endif
     var shade = lid_shade(globe.lids, head_from_eye() * p);
 #ifdef CONJUNCTIVA
-    // Towards the corner it rises to the margins, and no lid hangs over it.
-    shade.sky = mix(shade.sky, in.tissue.a, in.tissue.b);
-    shade.key = mix(shade.key, in.tissue.a, in.tissue.b);
+    // Towards the corner it rises to the margins, and less hangs over it.
+    shade.sky = mix(shade.sky, in.tissue.a, 0.7 * in.tissue.b);
+    shade.key = mix(shade.key, in.tissue.a, 0.7 * in.tissue.b);
 #endif
     let footprint = footprint_at(distance(p, camera));
     let v_head = head_from_eye() * -direction;
@@ -126,8 +140,12 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var specular = vec3f(0.0);
     var wet_normal = normal;
     if corneal < 1.0 {
-        let sclera = sclera_surface(sclera_map, sclera_sampler, p, normal, footprint, globe.sclera_radius_mm);
+        let sclera = sclera_surface(sclera_map, vessel_map, sclera_sampler, p, normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
         wet_normal = normalize(mix(sclera.normal, normal, corneal));
+#ifdef CONJUNCTIVA
+        // Where it is thick it is lumpy: its wet surface breaks what it mirrors.
+        wet_normal = normalize(normal + (sclera.normal - normal) * (1.0 + 5.0 * in.tissue.b));
+#endif
         let n_white = head_from_eye() * sclera.normal;
         let n_wet = head_from_eye() * wet_normal;
         var light = ambient(n_white) * shade.sky;
@@ -137,11 +155,12 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             let alpha = lamp_alpha(0.24, 0.0625 * lamp.radius);
             specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * shade.key * (1.0 - corneal));
         }
-        diffuse = sclera.albedo * light * sclera_lid_bounce(shade);
-    }
+        var albedo = sclera.albedo;
 #ifdef CONJUNCTIVA
-    diffuse *= conjunctiva_filter(globe.flesh, in.tissue.b);
+        albedo *= conjunctiva_filter(globe.flesh, albedo, in.tissue.b);
 #endif
+        diffuse = albedo * light * sclera_lid_bounce(shade);
+    }
 #ifdef CORNEA
     if corneal > 0.0 {
         diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * limbus_tint(corneal);

@@ -1,9 +1,9 @@
-// The relief of the iris over its plane: where the refracted ray meets it and what it takes of the
+// The relief of the iris over its plane: where the refracted ray meets it and what it puts in the way of
 // light. Twin: src/appearance/shading/iris_relief.rs.
 
-// Radii (mm) of the root, the pupil and the limbus, the pupil's centre (mm), and how much of the
-// relief's slope shows.
-struct IrisFrame { root: f32, pupil: f32, limbus: f32, relief: f32, center: vec2f };
+// Radii (mm) of the root, the pupil and the limbus, how much of the relief's slope shows, the pupil's centre (mm), how many
+// times as thick as in the map the stroma is (it keeps its volume), and how deep its furrows are (1 as in the map).
+struct IrisFrame { root: f32, pupil: f32, limbus: f32, relief: f32, center: vec2f, thicken: f32, furrows: f32 };
 
 struct IrisTexel { height: f32, thickness: f32, melanin: f32 };
 
@@ -31,9 +31,14 @@ fn iris_step(place: IrisPlace, step: vec2f) -> vec2f {
     return place.uv + vec2f(dot(place.du, step), dot(place.dv, step));
 }
 
-fn iris_texel(map: texture_2d<f32>, polar: sampler, uv: vec2f, lod: f32) -> IrisTexel {
+fn iris_texel(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, uv: vec2f, lod: f32) -> IrisTexel {
     let t = textureSampleLevel(map, polar, vec2f(uv.x, clamp(uv.y, 0.001, 0.999)), lod);
-    return IrisTexel(t.b, t.r, t.g);
+    return IrisTexel(t.b * iris.thicken - t.a * iris.furrows, t.r * iris.thicken, t.g);
+}
+
+// Width (mm) of a texel of a map of this many rows, at this level.
+fn iris_texel_mm(rows: f32, lod: f32, iris: IrisFrame) -> f32 {
+    return iris_width(iris) / rows * exp2(lod);
 }
 
 // Level of a map of this size (texels) for a footprint (mm) at `radius` mm from the axis; a little
@@ -43,18 +48,23 @@ fn iris_level(size: vec2f, footprint: f32, radius: f32, width: f32) -> f32 {
     return max(log2(max(texels.x, texels.y)) - 0.4, 0.0);
 }
 
-// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first
-// place where the ray is below the surface, by linear steps and one secant.
-fn relief_march(map: texture_2d<f32>, polar: sampler, place: IrisPlace, direction: vec3f, lod: f32) -> vec2f {
+// Most steps of the march.
+const RELIEF_STEPS: f32 = 12.0;
+
+// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first place where the ray is
+// below the surface, by steps of two texels of this level and one secant.
+fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32) -> vec2f {
     let slope = direction.xy / max(direction.z, 0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
-    let top = 0.20;
-    let deepest = 0.40;
+    let top = 0.20 * iris.thicken;
+    let deepest = 0.40 * iris.thicken;
+    let texel = iris_texel_mm(f32(textureDimensions(map).y), lod, iris);
+    let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), 3.0, RELIEF_STEPS);
     var before = 0.0;
     var gap_before = -0.05;
-    for (var i = 1; i <= 5; i++) {
-        let depth = deepest * f32(i) / 5.0;
-        let gap = depth - top + iris_texel(map, polar, iris_step(place, slope * (depth - top)), lod).height;
+    for (var i = 1.0; i <= steps; i += 1.0) {
+        let depth = deepest * i / steps;
+        let gap = depth - top + iris_texel(map, polar, iris, iris_step(place, slope * (depth - top)), lod).height;
         if gap >= 0.0 {
             return slope * (mix(before, depth, gap_before / (gap_before - gap)) - top);
         }
@@ -64,29 +74,26 @@ fn relief_march(map: texture_2d<f32>, polar: sampler, place: IrisPlace, directio
     return slope * (deepest - top);
 }
 
-// The relief's normal, by differences one footprint wide.
-fn relief_normal(map: texture_2d<f32>, polar: sampler, place: IrisPlace, height: f32, footprint: f32, lod: f32, relief: f32) -> vec3f {
-    let e = max(footprint, 0.012);
-    let hx = iris_texel(map, polar, iris_step(place, vec2f(e, 0.0)), lod).height - height;
-    let hy = iris_texel(map, polar, iris_step(place, vec2f(0.0, e)), lod).height - height;
-    let strength = relief / e;
+// The relief's normal, by differences over `e` mm.
+fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, height: f32, e: f32, lod: f32) -> vec3f {
+    let hx = iris_texel(map, polar, iris, iris_step(place, vec2f(e, 0.0)), lod).height - height;
+    let hy = iris_texel(map, polar, iris, iris_step(place, vec2f(0.0, e)), lod).height - height;
+    let strength = iris.relief / e;
     return normalize(vec3f(-hx * strength, -hy * strength, -1.0));
 }
 
-// What the relief leaves of a lamp's light: two short steps towards the lamp decide its own shadow.
-fn relief_shadow(map: texture_2d<f32>, polar: sampler, place: IrisPlace, height: f32, towards: vec3f, lod: f32) -> f32 {
-    var shadow = 1.0;
-    for (var i = 1; i <= 2; i++) {
-        let s = 0.09 * f32(i);
-        let ridge = iris_texel(map, polar, iris_step(place, towards.xy * (s / max(-towards.z, 0.25))), lod).height - height;
-        shadow *= 1.0 - 0.55 * smoothstep(0.0, 0.10, ridge - s);
-    }
-    return shadow;
-}
+// Rise (mm) from one look for ridges to the next.
+const RIDGE_STEP_MM: f32 = 0.07;
 
-// What of a lamp's irradiance the relief takes up at this normal. Light that enters one fibre
-// leaves through its neighbours, so that a part of the contrast is lost.
-fn relief_gain(normal: vec3f, towards: vec3f) -> f32 {
-    let cosine = max(dot(normal, towards), 0.0);
-    return clamp(mix(1.0, cosine / max(-towards.z, 0.1), 0.75), 0.0, 2.2);
+// How much tissue (mm) ridges put in the way of light that comes from the unit direction `towards` to a place of this
+// height: each of three looks stands for a step of the way.
+fn relief_ridge(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, height: f32, towards: vec3f, lod: f32) -> f32 {
+    let up = max(-towards.z, 0.25);
+    var blocked = 0.0;
+    for (var i = 1; i <= 3; i++) {
+        let rise = RIDGE_STEP_MM * f32(i);
+        let ridge = iris_texel(map, polar, iris, iris_step(place, towards.xy * (rise / up)), lod).height - height;
+        blocked += clamp((ridge - rise) / RIDGE_STEP_MM + 0.5, 0.0, 1.0);
+    }
+    return blocked * RIDGE_STEP_MM / up;
 }

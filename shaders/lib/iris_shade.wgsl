@@ -1,68 +1,162 @@
-// needs: iris_light.wgsl, iris_relief.wgsl
+// needs: iris_light.wgsl, iris_relief.wgsl, layers.wgsl, phase.wgsl
 //
-// The light that iris and pupil send back. Eye frame, millimetres.
-// Twin: src/appearance/shading/iris_shade.rs.
+// The light that iris and pupil send back, subsurface texture mapping (Francois et al. 2007, section 5.4): behind the relief
+// the view is followed through border layer and stroma, segment by segment in closed form, and each lamp's light to each
+// segment by its own path; what is scattered more than once is read from a table, by light that has spread sideways.
+// Eye frame, millimetres. Twin: src/appearance/shading/iris_shade.rs.
 
 // Longest path (mm) of the reflectance map.
 const IRIS_PATH_MAX_MM: f32 = 2.5;
+// Thickness (mm) of the anterior border layer.
+const BORDER_LAYER_MM: f32 = 0.04;
+// Segments of a view through the stroma.
+const STROMA_SEGMENTS: i32 = 3;
+// How far (mm) light that is scattered more than once spreads sideways.
+const IRIS_SPREAD_MM: f32 = 0.25;
 
-// Path (mm) of light through the stroma, in towards z and out at the cosine of the view.
+// Mean cosine of what collagen bundles scatter beside their forward peak.
+const BUNDLE_COSINE: f32 = 0.44444444;
+
+// What the iris is made of, at three wavelengths: extinction and scattering (1/mm), the share of the latter that follows
+// Rayleigh (the rest Henyey and Greenstein), the border layer's extinction by melanin where it is densest, and what the wavelengths weigh in linear sRGB (columns).
+struct IrisTissue {
+    border: vec3<f32>,
+    border_melanin: vec3<f32>,
+    border_scattering: vec3<f32>,
+    border_fibrils: vec3<f32>,
+    stroma: vec3<f32>,
+    stroma_scattering: vec3<f32>,
+    stroma_fibrils: vec3<f32>,
+    weights: mat3x3<f32>,
+};
+
+// Mean of the inverse cosine to the normal of light in the aqueous.
+const AQUEOUS_SLANT: f32 = 1.2026;
+
+// Thickness (mm) that acts on light in the aqueous as the stroma does on light that comes towards z and is seen at this cosine.
 fn iris_path(thickness: f32, towards_z: f32, view_cosine: f32) -> f32 {
-    return thickness * 0.5 * (1.0 / max(-towards_z, 0.35) + 1.0 / max(view_cosine, 0.35));
+    return thickness * (0.5 / AQUEOUS_SLANT) * (1.0 / max(-towards_z, 0.35) + 1.0 / max(view_cosine, 0.35));
 }
 
-// Radiance at the edges of the iris: the root lies in the shade of the limbus; the ruff is pigment
-// without stroma. v runs from the pupil's edge to the root.
-fn iris_edges(radiance: vec3f, v: f32) -> vec3f {
-    let root = smoothstep(0.80, 1.02, v);
-    let ruff = smoothstep(0.035, 0.0, v);
-    let shaded = radiance * mix(vec3f(1.0), vec3f(0.30, 0.33, 0.38), root);
-    return shaded * mix(vec3f(1.0), vec3f(0.16, 0.11, 0.08), ruff);
-}
+// Where a refracted ray meets the iris, what is there, how it is turned to the ray, and the same smoothed by as much as light
+// spreads; then what the ray passes: the depth (mm below the border layer) at which each segment begins and its length in tissue.
+struct IrisSurface {
+    at: vec2f,
+    place: IrisPlace,
+    texel: IrisTexel,
+    normal: vec3f,
+    direction: vec3f,
+    lod: f32,
+    smooth_texel: IrisTexel,
+    smooth_normal: vec3f,
+    begins: vec3f,
+    lengths: vec3f,
+};
 
-// What of the surroundings reaches a place of this height: over the dome they arrive nearly evenly;
-// what is deep sees less of them.
-fn iris_openness(height: f32) -> f32 {
-    return clamp(0.80 + height * 2.2, 0.35, 1.15);
+// Path (mm) for each mm of depth along a direction whose cosine to the normal is `cosine`, in tissue whose surface is turned to
+// this normal.
+fn slanted(normal: vec3f, cosine: f32) -> f32 {
+    return -normal.z / max(cosine, 0.2);
 }
-
-// Where a refracted ray meets the iris, what is there, and how it is turned to the ray.
-struct IrisSurface { at: vec2f, place: IrisPlace, texel: IrisTexel, normal: vec3f, view_cosine: f32, lod: f32 };
 
 // Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
 // in the map.
 fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, direction: vec3f, start: IrisPlace, footprint: f32) -> IrisSurface {
-    let lod = iris_level(vec2f(textureDimensions(map)), footprint, length(point), iris_width(iris));
+    let size = vec2f(textureDimensions(map));
+    let lod = iris_level(size, footprint, length(point), iris_width(iris));
     // The next coarser level, by its number: between two, devices break ties differently.
-    let moved = relief_march(map, polar, start, direction, ceil(lod));
+    let moved = relief_march(map, polar, iris, start, direction, ceil(lod));
     let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
-    let texel = iris_texel(map, polar, place.uv, lod);
-    let normal = relief_normal(map, polar, place, texel.height, footprint, lod, iris.relief);
-    return IrisSurface(point + moved, place, texel, normal, max(-dot(normal, direction), 0.2), lod);
+    let texel = iris_texel(map, polar, iris, place.uv, lod);
+    let normal = relief_normal(map, polar, iris, place, texel.height, max(footprint, 0.012), lod);
+    let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));
+    let smooth_texel = iris_texel(map, polar, iris, place.uv, spread);
+    let smooth_normal = relief_normal(map, polar, iris, place, smooth_texel.height, max(footprint, IRIS_SPREAD_MM), spread);
+
+    let down = max(direction.z, 0.35);
+    let first = BORDER_LAYER_MM * slanted(normal, -dot(normal, direction));
+    // A little further than to the back of what is there, as what lies behind may be thicker.
+    let segment = max(1.3 * texel.thickness / down - first, 0.03) / f32(STROMA_SEGMENTS);
+    let deep = segment * down;
+    var begins = vec3f(0.0);
+    var lengths = vec3f(0.0);
+    var open = 1.0;
+    for (var i = 0; i < STROMA_SEGMENTS; i++) {
+        let along = first + (f32(i) + 0.5) * segment;
+        let there = iris_texel(map, polar, iris, iris_step(place, direction.xy * along), lod);
+        let depth = down * along + there.height - texel.height;
+        let below = depth - BORDER_LAYER_MM;
+        let inside = min(clamp(below / deep + 0.5, 0.0, 1.0), clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0));
+        begins[i] = max(below - 0.5 * deep, 0.0);
+        lengths[i] = open * inside * segment;
+        // Behind it lies the black epithelium.
+        open *= clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0);
+    }
+    return IrisSurface(point + moved, place, texel, normal, direction, lod, smooth_texel, smooth_normal, begins, lengths);
 }
 
-// Reflectance of tissue on the path of light that arrives with this z.
-fn iris_reflectance(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface, towards_z: f32) -> vec3f {
-    let path = iris_path(surface.texel.thickness, towards_z, surface.view_cosine);
-    return textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, surface.texel.melanin), 0.0).rgb;
+// Diffuse reflectance of tissue on the path of light that arrives with this z: of all light (`half` 0) or of what is scattered more
+// than once (1); the map holds one above the other.
+fn iris_reflectance(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface, towards_z: f32, half: f32) -> vec3f {
+    let path = iris_path(surface.smooth_texel.thickness, towards_z, -dot(surface.smooth_normal, surface.direction));
+    let rows = 0.5 * f32(textureDimensions(reflectance_map).y);
+    let row = clamp(surface.texel.melanin * rows, 0.5, rows - 0.5);
+    return textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, 0.5 * (row / rows + half)), 0.0).rgb;
+}
+
+// Share of a place that has tissue: the ruff is bare epithelium, which is black.
+fn iris_covered(texel: IrisTexel) -> f32 {
+    return smoothstep(0.03, 0.08, texel.thickness);
+}
+
+// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction `towards`,
+// `ridge` mm of tissue being in its way.
+fn iris_scattered_once(tissue: IrisTissue, surface: IrisSurface, towards: vec3f, ridge: f32) -> vec3f {
+    let into = slanted(surface.normal, dot(surface.normal, towards));
+    let out = slanted(surface.normal, -dot(surface.normal, surface.direction));
+    let cosine = dot(towards, surface.direction);
+    let rayleigh = vec3f(phase_rayleigh(cosine));
+    let bundles = vec3f(phase_henyey_greenstein(cosine, BUNDLE_COSINE));
+    let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
+    // A ridge is covered where light enters and where it leaves.
+    let covers = 2.0 * BORDER_LAYER_MM * min(ridge / RIDGE_STEP_MM, 1.0);
+    let sum = layer_segment_scatter(border, tissue.border_scattering, BORDER_LAYER_MM * out, 0.0, BORDER_LAYER_MM * into);
+    var scattered = sum * mix(bundles, rayleigh, tissue.border_fibrils);
+    let phase = mix(bundles, rayleigh, tissue.stroma_fibrils);
+    var passed = exp(-border * (BORDER_LAYER_MM * (into + out))) * phase;
+    for (var i = 0; i < STROMA_SEGMENTS; i++) {
+        let begins = surface.begins[i];
+        let length = surface.lengths[i];
+        let ends = begins + length * max(surface.direction.z, 0.35);
+        scattered += passed * layer_segment_scatter(tissue.stroma, tissue.stroma_scattering, length, begins * into, ends * into);
+        passed *= exp(-tissue.stroma * length);
+    }
+    return tissue.weights * (scattered * exp(-(tissue.stroma * ridge + border * covers)));
 }
 
 // What the iris sends back of a lamp with an irradiance / pi of one in the unit direction `light` of the eye
 // frame.
-fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, light_table: texture_2d<f32>, linear: sampler, iris: IrisFrame, surface: IrisSurface, light: vec3f) -> vec3f {
+fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, light_table: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, light: vec3f) -> vec3f {
     let arrives = iris_light(light_table, linear, light, surface.at, iris.root, iris.limbus);
-    let shadow = relief_shadow(map, polar, surface.place, surface.texel.height, arrives.xyz, surface.lod);
-    let gain = arrives.w * relief_gain(surface.normal, arrives.xyz) * shadow;
-    return gain * iris_reflectance(reflectance_map, linear, surface, arrives.z);
+    let ridge = relief_ridge(map, polar, iris, surface.place, surface.texel.height, arrives.xyz, surface.lod);
+    // Across the beam, from the plane of the iris.
+    let across = arrives.w / max(-arrives.z, 0.2);
+    let once = iris_scattered_once(tissue, surface, arrives.xyz, ridge) * (3.14159265 * across);
+    let spread = across * max(dot(surface.smooth_normal, arrives.xyz), 0.0);
+    let again = spread * iris_reflectance(reflectance_map, linear, surface, arrives.z, 1.0);
+    return (max(once, vec3f(0.0)) + again) * iris_covered(surface.texel);
 }
 
-// Mean cosine in the aqueous of light from all of the sky before an eye: cosines beyond the critical angle
-// do not occur.
-const IRIS_SKY_COSINE: f32 = 0.87;
+// Cosine in the aqueous that stands for light from all of the sky before an eye: one over the mean slant.
+const IRIS_SKY_COSINE: f32 = 0.83;
+// Half the width (mm) of the grooves between fibres: what lies that deep in one sees half of the sky.
+const IRIS_GROOVE_MM: f32 = 0.12;
 
-// What the iris sends back of surroundings with an irradiance / pi of one.
-fn iris_ambient(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface) -> vec3f {
-    return 0.92 * iris_openness(surface.texel.height) * iris_reflectance(reflectance_map, linear, surface, -IRIS_SKY_COSINE);
+// What the iris sends back of surroundings with an irradiance / pi of one; `sky` is what of an even one reaches its plane.
+fn iris_ambient(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface, sky: f32) -> vec3f {
+    let sunk = max(surface.smooth_texel.height - surface.texel.height, 0.0) / IRIS_GROOVE_MM;
+    let arrives = sky / (1.0 + sunk * sunk);
+    return arrives * iris_covered(surface.texel) * iris_reflectance(reflectance_map, linear, surface, -IRIS_SKY_COSINE, 0.0);
 }
 
 // What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' `light`.

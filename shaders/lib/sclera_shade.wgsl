@@ -8,6 +8,12 @@ const SCLERA_HALF_ANGLE: f32 = 1.7453293;
 
 struct ScleraSurface { albedo: vec3f, normal: vec3f };
 
+// Depth (mm) of the episcleral vessels under the surface, and how far light travels sideways in the tissue, so that a
+// vessel's shadow is that wide.
+const EPISCLERAL_DEPTH_MM: f32 = 0.15;
+const SHADOW_MM: f32 = 0.3;
+const SCLERA_INDEX: f32 = 1.37;
+
 fn sclera_uv(p: vec3f) -> vec2f {
     let n = normalize(p);
     let angle = acos(clamp(-n.z, -1.0, 1.0));
@@ -16,10 +22,31 @@ fn sclera_uv(p: vec3f) -> vec2f {
     return 0.5 + 0.5 * direction * (angle / SCLERA_HALF_ANGLE);
 }
 
-// The normal with the relief of the map, from its height here and a step to the right and above.
-fn sclera_normal(normal: vec3f, here: f32, right: f32, above: f32) -> vec3f {
-    let bump = vec2f(right - here, above - here) * 1.3;
-    return normalize(normal - vec3f(bump, 0.0));
+// The normal with the relief of the map, from how much higher (mm) it is a step (mm) to the right and above.
+fn sclera_normal(normal: vec3f, right: f32, above: f32, step: f32) -> vec3f {
+    return normalize(normal - vec3f(vec2f(right, above) / step, 0.0));
+}
+
+// What vessels with columns of blood of `column` mm in the mean leave of white light, linear sRGB: green by Beer's law, red and
+// blue in the proportion to it of a vessel of 0.05 mm that light crosses twice, as a vessel that is not resolved is a thread
+// of thick blood and not a veil of thin.
+fn blood_filter(column: f32) -> vec3f {
+    let green = 1.0 - exp(-18.8 * max(column, 0.0));
+    return max(1.0 - green * vec3f(0.218, 1.0, 1.148), vec3f(0.0));
+}
+
+// Where (a step from the surface, mm, tangential) a view from the unit direction v is at this depth below a surface
+// of normal n.
+fn view_shift(n: vec3f, v: vec3f, depth: f32) -> vec3f {
+    let cosine = dot(n, v);
+    let aside = (v - n * cosine) / SCLERA_INDEX;
+    return aside * (-depth * inverseSqrt(max(1.0 - dot(aside, aside), 0.1)));
+}
+
+// What vessels leave of the light that the white sends back: the superficial ones, with columns of `shallow` mm on the
+// way out and `shadow` on the way in, dim all of it; the deep ones what has not turned back above them (`above`).
+fn vessel_filter(shallow: f32, shadow: f32, deep: f32, above: vec3f) -> vec3f {
+    return blood_filter(shallow + shadow) * mix(blood_filter(2.0 * deep), vec3f(1.0), above);
 }
 
 // What the white takes up of a lamp with an irradiance / pi of one, at this cosine: light travels under the
@@ -34,23 +61,30 @@ fn sclera_lid_bounce(shade: LidShade) -> vec3f {
     return mix(vec3f(1.0), vec3f(1.05, 0.86, 0.80), near_lid * 0.8);
 }
 
-// Mean albedo of the white, linear sRGB: what a thin layer of tissue is seen over.
-const SCLERA_WHITE: vec3f = vec3f(0.70, 0.59, 0.54);
-
-// What the conjunctiva leaves of the light from the white below it, by Beer and Lambert: all of it where it
-// is thin and clear (share 0), as much as makes the white look like flesh where it is thick (share 1).
-fn conjunctiva_filter(flesh: vec3f, share: f32) -> vec3f {
-    return pow(flesh / SCLERA_WHITE, vec3f(clamp(share, 0.0, 1.0)));
+// What the conjunctiva leaves of the light from the `white` below it, by Beer and Lambert: all of it where it is thin
+// and clear (share 0), as much as makes the white look like flesh where it is thick (share 1).
+fn conjunctiva_filter(flesh: vec3f, white: vec3f, share: f32) -> vec3f {
+    return pow(min(flesh / max(white, vec3f(0.02)), vec3f(2.0)), vec3f(clamp(share, 0.0, 1.0)));
 }
 
-// Albedo and normal at a point p; `map` holds the albedo and in its last channel the height.
-fn sclera_surface(map: texture_2d<f32>, linear: sampler, p: vec3f, normal: vec3f, footprint: f32, sclera_radius: f32) -> ScleraSurface {
+// Albedo and normal at a point p seen from the unit direction v. `colors` holds the albedo without vessels, `vessels` columns
+// of blood (mm) near the surface and deeper, and the height (mm); `above` is the share of light that does not reach the
+// deeper ones.
+fn sclera_surface(colors: texture_2d<f32>, vessels: texture_2d<f32>, linear: sampler, p: vec3f, normal: vec3f, v: vec3f, footprint: f32, sclera_radius: f32, above: vec3f) -> ScleraSurface {
     let uv = sclera_uv(p);
-    let texels = f32(textureDimensions(map).x);
-    let lod = footprint_level(footprint, 2.0 * SCLERA_HALF_ANGLE * sclera_radius / texels);
-    let here = textureSampleLevel(map, linear, uv, lod);
-    let step = 1.5 / texels;
-    let right = textureSampleLevel(map, linear, uv + vec2f(step, 0.0), lod).a;
-    let above = textureSampleLevel(map, linear, uv + vec2f(0.0, step), lod).a;
-    return ScleraSurface(here.rgb, sclera_normal(normal, here.a, right, above));
+    let side = f32(textureDimensions(vessels).x);
+    let texel = 2.0 * SCLERA_HALF_ANGLE * sclera_radius / side;
+    let lod = footprint_level(footprint, texel);
+    let level = round(lod);
+    // The slope is taken over what the level resolves.
+    let step = 1.5 * exp2(level) / side;
+    let here = textureSampleLevel(vessels, linear, uv, lod);
+    let right = textureSampleLevel(vessels, linear, uv + vec2f(step, 0.0), lod).b;
+    let upper = textureSampleLevel(vessels, linear, uv + vec2f(0.0, step), lod).b;
+    let shift = view_shift(normal, v, EPISCLERAL_DEPTH_MM);
+    let deep = textureSampleLevel(vessels, linear, sclera_uv(p + shift), lod).g;
+    let shadow = textureSampleLevel(vessels, linear, uv, max(lod, log2(SHADOW_MM / texel))).r;
+    let ground = textureSampleLevel(colors, linear, uv, max(lod - 2.0, 0.0)).rgb;
+    let albedo = ground * vessel_filter(here.r, shadow, deep, above);
+    return ScleraSurface(albedo, sclera_normal(normal, right - here.b, upper - here.b, step * side * texel));
 }

@@ -263,11 +263,25 @@ impl Refraction {
 }
 
 /// The sclera and what covers it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
 pub struct Sclera {
     /// Redness of the conjunctiva, 0 (quiet) to 1 (injected).
     pub redness: f64,
+    /// Bilirubin in the serum, mg/dL, 0 to 50: jaundice yellows the white from about 2.5.
+    pub bilirubin_mg_dl: f64,
+    /// Elastotic tissue beside the limbus, 0 (none) to 1 (a raised, yellow pinguecula).
+    pub pinguecula: f64,
+}
+
+impl Default for Sclera {
+    fn default() -> Self {
+        Self {
+            redness: 0.12,
+            bilirubin_mg_dl: 0.6,
+            pinguecula: 0.0,
+        }
+    }
 }
 
 /// The lids of an eye.

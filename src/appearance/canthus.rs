@@ -37,7 +37,7 @@ impl Corner {
     fn t(self, c: usize) -> f32 {
         let s = c as f32 / (CORNER_COLUMNS - 1) as f32;
         match self {
-            Self::Medial => 0.23 * s,
+            Self::Medial => 0.27 * s,
             Self::Lateral => 1.0 - 0.17 * s,
         }
     }
@@ -50,7 +50,7 @@ pub fn corner_tissue(corner: Corner, column: usize, row: usize) -> [f32; 2] {
     match corner {
         Corner::Medial => [
             (mound(s, q) * 1.25 + 0.35 * ridge(s, q)).min(1.0),
-            1.0 - smoothstep(0.55, 1.0, s),
+            1.0 - smoothstep(0.2, 1.0, s),
         ],
         Corner::Lateral => [0.0, 0.8 * (1.0 - smoothstep(0.1, 1.0, s))],
     }
@@ -89,7 +89,7 @@ pub fn corner_grid(
         for r in 0..CORNER_ROWS {
             let q = r as f32 / (CORNER_ROWS - 1) as f32;
             // A little beyond the margins on both sides, so that the edge is hidden by the lids.
-            let reach = -0.12 + 1.24 * q;
+            let reach = -0.3 + 1.6 * q;
             let direction =
                 (lower.direction + (upper.direction - lower.direction) * reach).normalize_or_zero();
             let edge = lower.lift_mm + (upper.lift_mm - lower.lift_mm) * q - 0.7 * (1.0 - room);
@@ -103,7 +103,7 @@ pub fn corner_grid(
                 off += room * (1.35 * mound(s, q) + 0.5 * ridge(s, q)) * (1.0 - rise);
             }
             // The sheet comes down onto the globe and goes on as what covers it.
-            off += (EDGE_MM - off) * smoothstep(0.62, 0.92, s);
+            off += (EDGE_MM - off) * smoothstep(0.38, 1.0, s);
             out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off.max(EDGE_MM));
         }
     }

@@ -47,6 +47,8 @@ pub const MIN_THICKNESS_MM: f32 = 0.03;
 /// The thickest stroma a map holds, mm: ID3 plus about one of its standard deviations.
 pub const MAX_THICKNESS_MM: f32 = 0.78;
 
+/// Depth of the contraction furrows at the design pupil, mm.
+const FURROW_MM: f32 = 0.045;
 /// How much of a thickness difference shows at the front: openings also indent from behind.
 const RELIEF_SHARE: f32 = 0.5;
 
@@ -141,11 +143,11 @@ pub struct IrisTexel {
     pub thickness_mm: f32,
     /// Relative melanin density of the anterior border layer, 0–1; the patient's colour scales it.
     pub border_melanin: f32,
-    /// Front surface above the smooth mean surface, mm, positive towards the cornea, about
+    /// Front surface above the smooth mean surface without the furrows, mm, positive towards the cornea, about
     /// −0.6 to 0.4.
     pub height_mm: f32,
-    /// How much of the place is pupillary ruff (bare pigment epithelium), 0–1.
-    pub ruff: f32,
+    /// How deep the contraction furrows fold the surface at the design pupil, mm; negative between them.
+    pub furrow_mm: f32,
 }
 
 /// The baked map: rows from the pupil's edge outwards, each row one turn.
@@ -155,7 +157,7 @@ pub struct IrisMap {
     pub width: usize,
     /// Texels along the radius; texel `j` is centred on `v = (j + 0.5) / height`.
     pub height: usize,
-    /// `thickness_mm, border_melanin, height_mm, ruff`, row after row: upload as RGBA floats.
+    /// `thickness_mm, border_melanin, height_mm, furrow_mm`, row after row: upload as RGBA floats.
     pub texels: Vec<[f32; 4]>,
 }
 
@@ -176,9 +178,19 @@ impl IrisMap {
         }
         let thickness = scale_to_profile(&surface, &layout);
         let melanin = pigment::paint(&settings, &layout, &surface);
-        let relief = front_surface(&thickness, &layout, grid);
+        let relief = front_surface(&thickness, grid);
         let texels = (0..grid.len())
-            .map(|index| texel_at(settings.seed, &thickness, &melanin, &relief, grid, index))
+            .map(|index| {
+                let furrow = FURROW_MM * layout.furrow[index];
+                texel_at(
+                    settings.seed,
+                    &thickness,
+                    &melanin,
+                    (&relief, furrow),
+                    grid,
+                    index,
+                )
+            })
             .collect();
         Self {
             width: grid.width,
@@ -215,7 +227,7 @@ impl IrisMap {
             thickness_mm: mixed[0],
             border_melanin: mixed[1],
             height_mm: mixed[2],
-            ruff: mixed[3],
+            furrow_mm: mixed[3],
         }
     }
 
@@ -247,6 +259,29 @@ pub fn mean_thickness_mm(v: f32) -> f32 {
     let t = (v - start.0) / (end.0 - start.0);
     // Half linear, half eased: no kink that would show as a ring.
     lerp(start.1, end.1, 0.5 * t + 0.5 * smoothstep(0.0, 1.0, t))
+}
+
+/// How many times as thick as in its map the stroma is at a pupil of this radius, mm: it keeps its volume.
+#[must_use]
+pub fn thicken(pupil_radius_mm: f64, root_radius_mm: f64) -> f64 {
+    let root = root_radius_mm.max(1.0);
+    let area = |pupil: f64| root * root - pupil * pupil;
+    let pupil = pupil_radius_mm.clamp(0.0, root - 0.5);
+    area(f64::from(DESIGN_PUPIL_RADIUS_MM).min(root - 0.5)) / area(pupil)
+}
+
+/// Pupil radius at which the iris is stretched flat and its furrows are gone, mm.
+const FLAT_PUPIL_RADIUS_MM: f64 = 0.75;
+
+/// How deep the furrows are at a pupil of this radius, mm, against the map's: a fold of a given length along the surface
+/// deepens with the root of what it is shortened by.
+#[must_use]
+pub fn furrow_depth(pupil_radius_mm: f64) -> f64 {
+    let shortened = |pupil: f64| {
+        let flat = f64::from(ROOT_RADIUS_MM) - FLAT_PUPIL_RADIUS_MM;
+        ((pupil - FLAT_PUPIL_RADIUS_MM) / flat).clamp(0.0, 1.0)
+    };
+    (shortened(pupil_radius_mm) / shortened(f64::from(DESIGN_PUPIL_RADIUS_MM))).sqrt()
 }
 
 /// Local radius, mm, at radial fraction `v` of the design pupil.
@@ -327,14 +362,14 @@ fn soft_limit(thickness_mm: f32) -> f32 {
 }
 
 /// The front surface above the smooth mean surface, mm. A thin cellular layer rounds the strands
-/// off and furrows are folds: they bend the surface more than they thin the stroma.
-fn front_surface(thickness: &[f32], layout: &Layout, grid: Grid) -> Vec<f32> {
+/// off. Furrows, which are folds, are kept apart.
+fn front_surface(thickness: &[f32], grid: Grid) -> Vec<f32> {
     let mut relief = thickness.to_vec();
     canvas::blur(&mut relief, grid, 0.05, 0.05);
     for (index, value) in relief.iter_mut().enumerate() {
         let sharp = lerp(*value, thickness[index], 0.3);
         let v = grid.v(index / grid.width);
-        *value = RELIEF_SHARE * (sharp - mean_thickness_mm(v)) - 0.045 * layout.furrow[index];
+        *value = RELIEF_SHARE * (sharp - mean_thickness_mm(v));
     }
     relief
 }
@@ -343,7 +378,7 @@ fn texel_at(
     seed: u32,
     thickness: &[f32],
     melanin: &[f32],
-    relief: &[f32],
+    (relief, furrow): (&[f32], f32),
     grid: Grid,
     index: usize,
 ) -> [f32; 4] {
@@ -354,7 +389,7 @@ fn texel_at(
         lerp(melanin[index], 1.0, ruff).clamp(0.0, 1.0),
         // The ruff is a rounded rim of epithelium that rolls round the edge from behind.
         lerp(relief[index], -0.05 + 0.04 * ruff, ruff),
-        ruff,
+        furrow * (1.0 - ruff),
     ]
 }
 

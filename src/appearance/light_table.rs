@@ -21,6 +21,16 @@ pub const REACH: f64 = 1.04;
 /// of an eye stands there.
 const FADE: f64 = 0.06;
 
+/// Places at which [`LightTableSettings::sky`] is known.
+pub const SKY_RADII: usize = 32;
+
+/// [`LightTableSettings::sky`] at `radius` mm from the axis, between its places. Twin: `shaders/lib/iris_light.wgsl`.
+pub fn iris_sky(sky: &[f64; SKY_RADII], radius: f64, root_mm: f64) -> f64 {
+    let place = (radius / (root_mm * REACH)).clamp(0.0, 1.0) * (SKY_RADII - 1) as f64;
+    let below = (place as usize).min(SKY_RADII - 2);
+    sky[below] + (sky[below + 1] - sky[below]) * (place - below as f64)
+}
+
 /// Texels of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightTableSize {
@@ -130,6 +140,32 @@ impl LightTableSettings {
         IrisLight::default()
     }
 
+    /// Irradiance of the iris plane under an even sky of radiance 1/π (an irradiance of one in front of the eye), at [`SKY_RADII`] places
+    /// evenly from the axis to the table's reach. What limbus and critical angle keep away is missing in it.
+    pub fn sky(&self) -> [f64; SKY_RADII] {
+        const RINGS: usize = 20;
+        const TURNS: usize = 24;
+        core::array::from_fn(|i| {
+            let radius = self.root_mm * REACH * i as f64 / (SKY_RADII - 1) as f64;
+            let mut sum = 0.0;
+            for ring in 0..RINGS {
+                // Even steps of the cosine are even steps of solid angle.
+                let cosine = (ring as f64 + 0.5) / RINGS as f64;
+                let sine = (1.0 - cosine * cosine).sqrt();
+                for turn in 0..TURNS {
+                    // Each ring is turned by the golden angle, so that no border of shade falls between the same turns.
+                    let angle = turn as f64 * core::f64::consts::TAU / TURNS as f64
+                        + ring as f64 * 2.399_963;
+                    let light = DVec3::new(sine * angle.cos(), sine * angle.sin(), -cosine);
+                    let place = DVec2::new(radius, 0.0);
+                    sum += self.exact(light, place).irradiance(self.limbus_mm);
+                }
+            }
+            // 2π of solid angle, of radiance 1/π.
+            2.0 * sum / (RINGS * TURNS) as f64
+        })
+    }
+
     /// The table as one level of a map: obliquity over obliquity, each `along` wide and `across` high:
     /// towards x, towards y, unbounded irradiance, radius of entry in mm. The limbus' cut is left to
     /// the look-up: it is the one thing here that changes within a cell.
@@ -222,6 +258,34 @@ mod tests {
     fn light(angle_deg: f64, turn: f64) -> DVec3 {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         DVec3::new(sin * turn.cos(), sin * turn.sin(), -cos)
+    }
+
+    #[test]
+    fn the_sky_is_that_of_its_integral() {
+        let settings = settings();
+        let sky = settings.sky();
+        // Twice as fine, and turned.
+        let exact = |r: f64| {
+            let mut sum = 0.0;
+            for ring in 0..24 {
+                let cosine: f64 = (f64::from(ring) + 0.5) / 24.0;
+                for turn in 0..50 {
+                    let turn = f64::from(turn) * 0.125_664 + f64::from(ring) * 2.399_963;
+                    let light = light(cosine.acos().to_degrees(), turn);
+                    sum += settings
+                        .exact(light, DVec2::new(0.0, r))
+                        .irradiance(settings.limbus_mm);
+                }
+            }
+            2.0 * sum / (24.0 * 50.0)
+        };
+        for r in [0.0, 1.0, 2.0, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 5.9] {
+            // It is straight between places 0.2 mm apart, and bends where the limbus' shade begins.
+            let error = iris_sky(&sky, r, settings.root_mm) - exact(r);
+            assert!(error.abs() < 0.03, "{r}: {error}");
+        }
+        // Radiance grows by n² where light enters, and comes from everywhere within 48 degrees.
+        assert!((1.5..1.336 * 1.336).contains(&sky[0]), "{}", sky[0]);
     }
 
     /// Largest and root-mean-square error of direction and irradiance within the visible iris.

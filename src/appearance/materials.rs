@@ -6,10 +6,12 @@
 //! app can put on the meshes of this folder.
 
 use super::illumination::{Illumination, LightKey};
+use super::light_table::SKY_RADII;
 use crate::frame::shaders;
+use crate::tissue::iris_reflectance::IrisTissue;
 use bevy::asset::{Asset, Handle};
 use bevy::image::Image;
-use bevy::math::{Mat4, Vec2, Vec3, Vec4};
+use bevy::math::{Mat3, Mat4, Vec2, Vec3, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::AlphaMode;
@@ -91,6 +93,52 @@ pub struct GlobeUniform {
     pub lens_turn: f32,
     /// Colour of what is thick and bloody of the conjunctiva.
     pub flesh: Vec3,
+    /// Share of the white's light that deep vessels cannot dim, linear sRGB.
+    pub above_vessels: Vec3,
+    /// How many times as thick as in its map the iris is.
+    pub iris_thicken: f32,
+    /// Irradiance of the iris under an even sky, see [`super::light_table::iris_sky`], four to a vector.
+    pub iris_sky: [Vec4; SKY_RADII / 4],
+    /// How deep its furrows are against the map's.
+    pub iris_furrows: f32,
+    /// What the iris is made of.
+    pub tissue: IrisTissueUniform,
+}
+
+/// Struct `IrisTissue` of `shaders/lib/iris_shade.wgsl`, in f32.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct IrisTissueUniform {
+    /// Extinction of the border layer without melanin.
+    pub border: Vec3,
+    /// What its melanin adds where it is densest.
+    pub border_melanin: Vec3,
+    /// Its scattering.
+    pub border_scattering: Vec3,
+    /// Share of that after Rayleigh.
+    pub border_fibrils: Vec3,
+    /// Extinction of the stroma.
+    pub stroma: Vec3,
+    /// Its scattering.
+    pub stroma_scattering: Vec3,
+    /// Share of that after Rayleigh.
+    pub stroma_fibrils: Vec3,
+    /// Weights of the wavelengths in linear sRGB.
+    pub weights: Mat3,
+}
+
+impl From<&IrisTissue> for IrisTissueUniform {
+    fn from(tissue: &IrisTissue) -> Self {
+        Self {
+            border: tissue.border.as_vec3(),
+            border_melanin: tissue.border_melanin.as_vec3(),
+            border_scattering: tissue.border_scattering.as_vec3(),
+            border_fibrils: tissue.border_fibrils.as_vec3(),
+            stroma: tissue.stroma.as_vec3(),
+            stroma_scattering: tissue.stroma_scattering.as_vec3(),
+            stroma_fibrils: tissue.stroma_fibrils.as_vec3(),
+            weights: tissue.weights.as_mat3(),
+        }
+    }
 }
 
 /// Which part of the globe a material draws: the part is a pipeline of its own, because a sclera
@@ -131,7 +179,7 @@ pub struct GlobeMaterial {
     #[texture(1)]
     #[sampler(2)]
     pub iris_map: Handle<Image>,
-    /// Map of the sclera: albedo and height.
+    /// Map of the sclera: albedo without vessels.
     #[texture(3)]
     #[sampler(4)]
     pub sclera_map: Handle<Image>,
@@ -142,6 +190,9 @@ pub struct GlobeMaterial {
     /// Where the lamps' light enters the eye; see [`super::light_table`].
     #[texture(7)]
     pub light_table: Handle<Image>,
+    /// Its vessels as columns of blood, and its relief; read by the sclera's sampler.
+    #[texture(8)]
+    pub vessel_map: Handle<Image>,
     /// The light.
     #[uniform(10)]
     pub illumination: Illumination,
@@ -475,7 +526,28 @@ mod tests {
             capsule = Vec3::splat(9.0),
             relief = 9.0,
             lens_turn = 9.0,
-            flesh = Vec3::splat(9.0)
+            flesh = Vec3::splat(9.0),
+            above_vessels = Vec3::splat(9.0),
+            iris_thicken = 9.0,
+            iris_sky = [Vec4::splat(9.0); SKY_RADII / 4],
+            iris_furrows = 9.0,
+            tissue = IrisTissueUniform {
+                border: Vec3::splat(9.0),
+                ..IrisTissueUniform::default()
+            }
+        );
+        same!(
+            IrisTissueUniform,
+            shaders::GLOBE,
+            "IrisTissue",
+            border = Vec3::splat(9.0),
+            border_melanin = Vec3::splat(9.0),
+            border_scattering = Vec3::splat(9.0),
+            border_fibrils = Vec3::splat(9.0),
+            stroma = Vec3::splat(9.0),
+            stroma_scattering = Vec3::splat(9.0),
+            stroma_fibrils = Vec3::splat(9.0),
+            weights = Mat3::from_cols(Vec3::splat(9.0), Vec3::Y, Vec3::Z)
         );
         same!(
             SkinUniform,

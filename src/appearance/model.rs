@@ -18,7 +18,7 @@ use super::materials::{
 use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::studio::Studio;
 use super::tissue_maps::{
-    flesh, iris_image, light_image, light_settings, reflectance_image, sclera_image, skin_albedo,
+    flesh, iris_image, light_image, light_settings, reflectance_image, sclera_images, skin_albedo,
     skin_image, static_uniform,
 };
 use crate::anatomy::{
@@ -386,9 +386,11 @@ impl Builder<'_, '_, '_, '_> {
         parts: &mut EyeParts,
     ) {
         let images = &mut self.assets.images;
+        let [sclera_map, vessel_map] = sclera_images(anatomy, fine);
         let maps = [
             images.add(iris_image(anatomy, fine)),
-            images.add(sclera_image(anatomy, fine)),
+            images.add(sclera_map),
+            images.add(vessel_map),
             images.add(reflectance_image(anatomy.iris)),
         ];
         self.ledger.bytes_uploaded(
@@ -397,7 +399,7 @@ impl Builder<'_, '_, '_, '_> {
                 .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
                 .sum(),
         );
-        let [iris_map, sclera_map, reflectance_map] = maps;
+        let [iris_map, sclera_map, vessel_map, reflectance_map] = maps;
         let settings = light_settings(anatomy.cornea, anatomy.iris);
         let light_table = match &parts.light {
             Some((of, table)) if *of == settings => table.clone(),
@@ -423,6 +425,7 @@ impl Builder<'_, '_, '_, '_> {
                 sclera_map: sclera_map.clone(),
                 reflectance_map: reflectance_map.clone(),
                 light_table: light_table.clone(),
+                vessel_map: vessel_map.clone(),
                 illumination,
                 around: around.clone(),
             });
@@ -444,6 +447,7 @@ impl Builder<'_, '_, '_, '_> {
             sclera_map,
             reflectance_map,
             light_table,
+            vessel_map,
             illumination,
             around: around.clone(),
         });
@@ -467,7 +471,7 @@ impl Builder<'_, '_, '_, '_> {
             skin: SkinUniform {
                 albedo,
                 roughness: 0.42,
-                flesh: flesh(anatomy.skin),
+                flesh: flesh(anatomy.sclera),
                 pores: 1.0,
                 globe_radius_mm: anatomy.eye.scleral_radius_mm as f32,
             },

@@ -1,6 +1,7 @@
 //! Eyes in the world follow their owners: globe and pupil, lids, lashes and tears.
 
 use super::face_region::LidPose;
+use super::iris_map::{furrow_depth, thicken};
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
@@ -55,6 +56,9 @@ pub fn move_eyes(
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.globe.head_from_eye = Mat4::from_quat(rotation);
                 material.globe.pupil_radius_mm = radius;
+                material.globe.iris_thicken =
+                    thicken(f64::from(radius), f64::from(material.globe.iris_root_mm)) as f32;
+                material.globe.iris_furrows = furrow_depth(f64::from(radius)) as f32;
                 let [nasally, up] = iris.0.pupil_decentration_mm.map(|mm| mm as f32);
                 material.globe.pupil_center_mm = Vec2::new(nasal * nasally, up);
             }

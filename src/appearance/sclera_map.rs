@@ -1,18 +1,18 @@
-//! A seeded white of the eye: colour, vessels and fine relief of the front of the globe.
+//! A seeded white of the eye: colour, blood and fine relief of the front of the globe.
 //!
-//! In: [`ScleraMapSettings`] and a size. Out: a square [`ScleraMap`] in the azimuthal equidistant
-//! projection about the corneal axis: the distance from the centre is the angle at the globe's
-//! centre, [`MAP_EDGE_DEG`] at the middle of each edge. Right in the map is +x of the globe frame
-//! (the patient's right), up is +y.
+//! In: [`ScleraMapSettings`] and a size. Out: two square maps in the azimuthal equidistant projection
+//! about the corneal axis: the distance from the centre is the angle at the globe's centre,
+//! [`MAP_EDGE_DEG`] at the middle of each edge. Right in the map is +x of the globe frame (the
+//! patient's right), up is +y. The coarse one holds the colour of the tissue without the vessels that are seen
+//! singly, by [`crate::tissue::sclera`]: what varies over the globe is its thickness, its blood and its yellow
+//! pigment. The fine one holds the vessels as columns of blood, the superficial ones and the deep ones
+//! apart, and the relief; the shader ([`super::shading::sclera_shade`]) sees each at its own depth.
 //!
 //! What is drawn follows the anatomy of the bulbar conjunctiva and episclera (Bron, Tripathi and
 //! Tripathi, "Wolff's Anatomy of the Eye and Orbit", 1997): conjunctival vessels come from the
 //! fornices and the canthi, branch and wind towards the limbus; the anterior ciliary vessels of
 //! the four recti lie deeper, straighter, and dive some 4 mm before it; fine loops fringe the
-//! limbus. Blood is an optical density: it multiplies the albedo by exp(−density × absorption),
-//! and density adds where vessels cross.
-//!
-//! The limbus itself (where the sclera gives way to the cornea) is left to the shader.
+//! limbus. Towards the limbus the scleral lamellae thin out over the dark angle behind.
 
 use crate::frame::mips::{Level, chain};
 use core::f32::consts::TAU;
@@ -21,18 +21,28 @@ use serde::{Deserialize, Serialize};
 
 mod vessels;
 
+use crate::optics::fresnel::diffuse_surface;
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::noise::{fbm, lerp, value_noise};
+use crate::tissue::sclera::{SCLERA_INDEX, ScleraTable, ScleralTissue};
 
 /// Angle from the corneal axis at the middle of the map's edges, degrees.
 pub const MAP_EDGE_DEG: f32 = 100.0;
 /// Angle of the limbus at the centre of an 11.5 mm globe, degrees: asin(5.9 / 11.5).
 pub const LIMBUS_DEG: f32 = 30.9;
 
-/// Absorption of blood in the conjunctiva, linear red, green, blue, per unit of density.
-const SHARP_ABSORPTION: [f32; 3] = [0.22, 1.0, 0.92];
-/// The same seen through scattering sclera: long waves dim more, blue is scattered back.
-const DEEP_ABSORPTION: [f32; 3] = [0.42, 0.72, 0.52];
+/// Thickness of a sclera above, below, nasally and temporally, mm (Teeuw, 107 people), at
+/// [`MEASURED_AGE`] years, and how it grows with each year.
+const THICKNESS_MM: [f32; 4] = [0.467, 0.596, 0.567, 0.516];
+const THICKER_MM_A_YEAR: f32 = 0.000_96;
+const MEASURED_AGE: f32 = 45.0;
+/// It is thinner at the equator than at the limbus by this factor (Vurgese 2012: 0.42 of 0.50 mm).
+const EQUATOR_SHARE: f32 = 0.84;
+/// Blood in vessels not seen singly: share of the volume in a quiet eye, what full redness adds, and
+/// what the corners have beyond.
+const QUIET_BLOOD: f32 = 0.009;
+const RED_BLOOD: f32 = 0.03;
+const CORNER_BLOOD: f32 = 0.05;
 
 /// What kind of sclera to grow. Values out of range are brought to the nearest legal one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +54,11 @@ pub struct ScleraMapSettings {
     pub age_years: f32,
     /// Conjunctival redness, 0 (rested) – 1 (inflamed); healthy eyes lie below 0.35.
     pub redness: f32,
+    /// Bilirubin in the serum, mg/dL, 0–50; healthy people have 0.2 to 1.2, and from 2.5 the white is
+    /// seen to be yellow.
+    pub bilirubin_mg_dl: f32,
+    /// How much elastotic tissue lies beside the limbus, 0 (none) – 1 (a raised, yellow pinguecula).
+    pub pinguecula: f32,
     /// Where the nose is: −1 for a right eye (nasal = −x), 1 for a left eye.
     pub nasal_sign: f32,
 }
@@ -54,6 +69,8 @@ impl Default for ScleraMapSettings {
             seed: 1,
             age_years: 30.0,
             redness: 0.2,
+            bilirubin_mg_dl: 0.6,
+            pinguecula: 0.0,
             nasal_sign: -1.0,
         }
     }
@@ -76,58 +93,82 @@ impl ScleraMapSettings {
             seed: self.seed,
             age_years: legal(self.age_years, 0.0, 100.0, default.age_years),
             redness: legal(self.redness, 0.0, 1.0, default.redness),
+            bilirubin_mg_dl: legal(self.bilirubin_mg_dl, 0.0, 50.0, default.bilirubin_mg_dl),
+            pinguecula: legal(self.pinguecula, 0.0, 1.0, default.pinguecula),
             nasal_sign: if self.nasal_sign > 0.0 { 1.0 } else { -1.0 },
         }
     }
 }
 
-/// The baked map, rows from the top (+y) down.
+/// The baked maps, rows from the top (+y) down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScleraMap {
-    /// Texels along each side.
+    /// Texels along each side of the map of colour.
     pub size: usize,
-    /// Linear red, green, blue albedo (0–1) and relief in mm (about ±0.05, positive outwards).
+    /// Linear red, green, blue albedo (0–1) without the vessels that are seen singly, and 1.
     pub texels: Vec<[f32; 4]>,
-    /// How much vessel covers each texel, 0–1.
-    pub vessel_mask: Vec<f32>,
+    /// Texels along each side of the map of vessels.
+    pub vessels_size: usize,
+    /// Columns of blood, mm, in conjunctival vessels and in those of the episclera and deeper; relief, mm (about
+    /// ±0.05, positive outwards); 0.
+    pub vessels: Vec<[f32; 4]>,
 }
 
 /// A direction of the map: degrees right (+x) and up (+y) of the corneal axis.
 type Place = [f32; 2];
 
+/// The map of colour is this much coarser than that of vessels, and so are the deep vessels, which scattering blurs.
+const COARSER: usize = 4;
+
 impl ScleraMap {
-    /// Grows the sclera of `settings` on `size` × `size` texels (16–4096).
+    /// Grows the sclera of `settings`, its vessels on `size` × `size` texels (64–4096, brought to a multiple of 4).
     #[must_use]
     pub fn new(settings: &ScleraMapSettings, size: usize) -> Self {
         let settings = settings.clamped();
         let seed = settings.seed;
-        let size = size.clamp(16, 4096);
-        let blood = vessels::grow(seed, &settings, size);
-        let slow = SlowFields::new(seed, size);
-        let mut texels = Vec::with_capacity(size * size);
-        let mut vessel_mask = Vec::with_capacity(size * size);
-        for index in 0..size * size {
-            let place = place_of(index % size, index / size, size);
-            let slow = slow.at(index % size, index / size);
-            let ground = ground(seed, &settings, place, slow[0]);
-            let (sharp, deep) = (blood.sharp[index], blood.deep[index]);
-            let mut texel = [0.0; 4];
-            for channel in 0..3 {
-                let depth = sharp * SHARP_ABSORPTION[channel] + deep * DEEP_ABSORPTION[channel];
-                texel[channel] = (ground[channel] * (-depth).exp()).clamp(0.0, 1.0);
-            }
-            texel[3] = relief_mm(seed, place, slow[1]) + 0.012 * sharp.min(1.5);
-            texels.push(texel);
-            vessel_mask.push(1.0 - (-1.6 * sharp - 0.8 * deep).exp());
-        }
+        let coarse = (size / COARSER).clamp(16, 1024);
+        let fine = coarse * COARSER;
+        let blood = vessels::grow(seed, &settings, fine, coarse);
+        let table = ScleraTable::new(
+            f64::from(settings.bilirubin_mg_dl),
+            diffuse_surface(SCLERA_INDEX),
+        );
+        let slow = SlowFields::new(seed, fine);
+        let texels = (0..coarse * coarse)
+            .map(|index| {
+                let (column, row) = (index % coarse, index / coarse);
+                let cloud = slow.values[row * slow.columns + column][0];
+                ground(
+                    seed,
+                    &settings,
+                    &table,
+                    place_of(column, row, coarse),
+                    cloud,
+                )
+            })
+            .collect();
+        let vessels = (0..fine * fine)
+            .map(|index| {
+                let (column, row) = (index % fine, index / fine);
+                let fold = slow.at(column, row)[1];
+                let lump = settings.pinguecula * pinguecula(&settings, place_of(column, row, fine));
+                [
+                    blood.shallow[index],
+                    bilinear(&blood.deep, coarse, column, row),
+                    relief_mm(seed, place_of(column, row, fine), fold) + 0.06 * lump,
+                    0.0,
+                ]
+            })
+            .collect();
         Self {
-            size,
+            size: coarse,
             texels,
-            vessel_mask,
+            vessels_size: fine,
+            vessels,
         }
     }
 
-    /// The bilinear texel in direction (`x_deg` right, `y_deg` up of the corneal axis, measured
+    /// The bilinear colour in direction (`x_deg` right, `y_deg` up of the corneal axis, measured
     /// along the great circle from it); outside the map the nearest edge.
     #[must_use]
     pub fn sample(&self, x_deg: f32, y_deg: f32) -> [f32; 4] {
@@ -149,11 +190,33 @@ impl ScleraMap {
         })
     }
 
-    /// Its levels, the finest first.
+    /// Levels of the map of colour, the finest first.
     #[must_use]
     pub fn levels(&self) -> Vec<Level<4>> {
         chain((self.size, self.size), self.texels.clone())
     }
+
+    /// Levels of the map of vessels.
+    #[must_use]
+    pub fn vessel_levels(&self) -> Vec<Level<4>> {
+        let side = self.vessels_size;
+        chain((side, side), self.vessels.clone())
+    }
+}
+
+/// A coarse field at a texel of the fine map.
+fn bilinear(field: &[f32], coarse: usize, column: usize, row: usize) -> f32 {
+    let place = |k: usize| {
+        let at = ((k as f32 + 0.5) / COARSER as f32 - 0.5).clamp(0.0, (coarse - 1) as f32);
+        (at as usize, at.fract())
+    };
+    let ((x, fx), (y, fy)) = (place(column), place(row));
+    let at = |i: usize, j: usize| field[(y + j).min(coarse - 1) * coarse + (x + i).min(coarse - 1)];
+    lerp(
+        lerp(at(0, 0), at(1, 0), fx),
+        lerp(at(0, 1), at(1, 1), fx),
+        fy,
+    )
 }
 
 /// Slowly varying noises, evaluated at every fourth texel and bilinear in between.
@@ -164,7 +227,7 @@ struct SlowFields {
 }
 
 impl SlowFields {
-    const STEP: usize = 4;
+    const STEP: usize = COARSER;
 
     fn new(seed: u32, size: usize) -> Self {
         let columns = size / Self::STEP + 2;
@@ -201,54 +264,67 @@ fn place_of(column: usize, row: usize, size: usize) -> Place {
     ]
 }
 
-/// Albedo without vessels: warm grey-white, yellow towards the canthi, pink in the corners and
-/// the fornices, bluish where the sclera thins and the uvea shows through at the limbus.
-fn ground(seed: u32, settings: &ScleraMapSettings, place: Place, cloud: f32) -> [f32; 3] {
+/// How much of a pinguecula lies at a place, 0–1: beside the limbus in the open fissure, more on the nasal side,
+/// about 2.2 mm tall and wider than tall.
+fn pinguecula(settings: &ScleraMapSettings, [x, y]: Place) -> f32 {
+    let nasal = x * settings.nasal_sign;
+    let patch = |centre: f32| (-((nasal - centre) / 6.5).powi(2) - ((y + 1.5) / 5.5).powi(2)).exp();
+    patch(39.0) + 0.55 * patch(-39.0)
+}
+
+/// Thickness of the sclera, mm, without what the limbus takes of it.
+fn thickness_mm(settings: &ScleraMapSettings, [x, y]: Place) -> f32 {
+    let radius = x.hypot(y).max(1e-3);
+    let (across, up) = ((x / radius).powi(2), (y / radius).powi(2));
+    let vertical = THICKNESS_MM[usize::from(y < 0.0)];
+    let horizontal = THICKNESS_MM[2 + usize::from(x * settings.nasal_sign < 0.0)];
+    let aged = THICKER_MM_A_YEAR * (settings.age_years - MEASURED_AGE);
+    let far = smoothstep(LIMBUS_DEG, 90.0, radius);
+    (across * horizontal + up * vertical + aged) * lerp(1.0, EQUATOR_SHARE, far)
+}
+
+/// Albedo without vessels.
+fn ground(
+    seed: u32,
+    settings: &ScleraMapSettings,
+    table: &ScleraTable,
+    place: Place,
+    cloud: f32,
+) -> [f32; 4] {
     let [x, y] = place;
     let radius = x.hypot(y);
     let fine = fbm(x * 0.4 + 90.0, y * 0.4 + 90.0, [0, 0], 2, seed ^ 0xa2);
     let age = settings.age_years / 100.0;
-    let mut colour = [0.735, 0.645, 0.555];
-    let mut tint = |to: [f32; 3], amount: f32| {
-        let amount = amount.clamp(0.0, 1.0);
-        for (value, target) in colour.iter_mut().zip(to) {
-            *value = lerp(*value, target, amount);
-        }
-    };
-    let sideways = smoothstep(32.0, 85.0, x.abs() + 4.0 * cloud);
-    let level = (-(y / 38.0).powi(2)).exp();
-    tint(
-        [0.70, 0.615, 0.48],
-        sideways * level * (0.30 + 0.45 * age) + 0.30 * age * age,
-    );
-    tint(
-        [0.655, 0.70, 0.745],
-        0.30 * (1.0 - age * 2.2).max(0.0) * (0.7 + 0.6 * cloud),
-    );
-    // Pinguecula: years of sun leave a yellow patch beside the limbus, more on the nasal side.
     let nasal = x * settings.nasal_sign;
-    let patch = |centre: f32| (-((nasal - centre) / 6.0).powi(2) - ((y + 1.5) / 5.5).powi(2)).exp();
-    let elder = smoothstep(0.3, 0.8, age);
-    tint(
-        [0.74, 0.64, 0.42],
-        elder * (0.40 * patch(39.0) + 0.22 * patch(-39.0)) * (1.0 + cloud),
-    );
-    let corner = smoothstep(
-        50.0,
-        96.0,
-        radius + 9.0 * cloud + 7.0 * smoothstep(-30.0, 60.0, nasal),
-    );
-    tint(
-        [0.66, 0.36, 0.31],
-        corner * (0.42 + 0.38 * settings.redness),
-    );
-    let flush = settings.redness * (0.10 + 0.14 * smoothstep(0.0, 0.6, cloud + 0.2));
-    tint([0.70, 0.42, 0.37], flush);
+    // The lamellae end one after another over some 1.5 mm.
     let uneven = 2.2 * cloud + 1.2 * value_noise(y.atan2(x) / TAU * 31.0, 31, seed ^ 0xa3);
-    let limbal = smoothstep(LIMBUS_DEG + 9.0, LIMBUS_DEG - 1.0, radius + uneven);
-    tint([0.44, 0.47, 0.50], 0.62 * limbal);
-    let shade = 1.0 + 0.045 * cloud + 0.03 * fine;
-    colour.map(|value| (value * shade).clamp(0.0, 1.0))
+    let lamellae = smoothstep(LIMBUS_DEG - 3.0, LIMBUS_DEG + 8.0, radius + uneven);
+    // Towards the canthi the conjunctiva thickens and is full of blood, most of all over the last third to the nose.
+    let level = (-(y / 45.0).powi(2)).exp();
+    let corner = smoothstep(50.0, 95.0, radius + 9.0 * cloud)
+        .max(level * smoothstep(40.0, 74.0, nasal + 6.0 * cloud))
+        .max(0.7 * level * smoothstep(46.0, 84.0, -nasal + 6.0 * cloud));
+    // It bleeds and yellows in patches, and what the sun reaches between the lids yellows most.
+    let sideways = smoothstep(32.0, 80.0, x.abs() + 4.0 * cloud) * (-(y / 38.0).powi(2)).exp();
+    let elastotic = pinguecula(settings, place) * (1.0 + cloud);
+    let tissue = ScleralTissue {
+        sclera_mm: f64::from(thickness_mm(settings, place) * lerp(0.22, 1.0, lamellae)),
+        blood_share: f64::from(
+            (QUIET_BLOOD * (0.8 + 0.4 * age)
+                + RED_BLOOD * settings.redness.powi(2)
+                + CORNER_BLOOD * corner.powf(1.5) * (1.0 + settings.redness))
+                * (1.0 + 0.5 * cloud + 0.25 * fine).max(0.1),
+        ),
+        yellowing: f64::from(
+            0.7 + 0.9 * age
+                + sideways * (0.3 + 0.9 * age)
+                + 5.0 * elastotic * settings.pinguecula.max(0.35 * smoothstep(0.3, 0.8, age)),
+        ),
+        ..ScleralTissue::default()
+    };
+    let [red, green, blue] = table.sample(&tissue).map(|c| c as f32);
+    let shade = 1.0 + 0.02 * cloud + 0.012 * fine;
+    [red * shade, green * shade, blue * shade, 1.0]
 }
 
 /// Fine relief of the conjunctiva, mm: soft folds that grow towards the fornices.

@@ -6,12 +6,15 @@ use super::light_table::{LightTableSettings, LightTableSize};
 use super::materials::{GlobeUniform, LidHeights};
 use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
-use crate::anatomy::{Cornea, Iris, Skin};
+use super::shading::sclera_shade::EPISCLERAL_DEPTH_MM;
+use crate::anatomy::{Cornea, Iris, Sclera};
 use crate::frame::mips::chain;
+use crate::optics::fresnel::diffuse_surface;
 use crate::optics::globe::GlobeShape;
-use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable};
+use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable, IrisTissue};
+use crate::tissue::sclera::{SCLERA_INDEX, ScleralTissue, returned_above, sclera_reflectance};
 use bevy::image::Image;
-use bevy::math::{DVec2, Mat4, Vec2, Vec3};
+use bevy::math::{DVec2, Mat4, Vec2, Vec3, Vec4};
 
 /// Albedo (linear sRGB) of skin from very light (0) to very dark (1).
 pub(super) fn skin_albedo(tone: f64) -> Vec3 {
@@ -66,9 +69,37 @@ pub(super) fn skin_image(seed: u64) -> Image {
     }
     image
 }
-/// Colour of wet flesh, linear sRGB: paler in those of light skin.
-pub(super) fn flesh(skin: &Skin) -> Vec3 {
-    Vec3::new(0.62, 0.30, 0.26) * (0.55 + 0.45 * skin_albedo(skin.tone).x)
+/// A thick, bloody place of the conjunctiva, as of plica, caruncle and the lids' wet margins.
+const FLESH: ScleralTissue = ScleralTissue {
+    sclera_mm: 0.5,
+    covering_mm: 1.5,
+    blood_share: 0.022,
+    yellowing: 1.0,
+    bilirubin_mg_dl: 0.6,
+};
+/// Its colour, linear sRGB.
+pub(super) fn flesh(sclera: &Sclera) -> Vec3 {
+    let tissue = ScleralTissue {
+        blood_share: FLESH.blood_share * (1.0 + sclera.redness),
+        bilirubin_mg_dl: sclera.bilirubin_mg_dl,
+        ..FLESH
+    };
+    color(sclera_reflectance(&tissue, diffuse_surface(SCLERA_INDEX)))
+}
+/// Share of the white's light that returns from above its deeper vessels.
+fn above_vessels(sclera: &Sclera) -> Vec3 {
+    let tissue = ScleralTissue {
+        bilirubin_mg_dl: sclera.bilirubin_mg_dl,
+        ..ScleralTissue::default()
+    };
+    color(returned_above(
+        &tissue,
+        EPISCLERAL_DEPTH_MM,
+        diffuse_surface(SCLERA_INDEX),
+    ))
+}
+fn color(rgb: [f64; 3]) -> Vec3 {
+    bevy::math::DVec3::from(rgb).as_vec3()
 }
 /// What the light table of this cornea and iris is made of.
 pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
@@ -84,28 +115,31 @@ pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings
 pub(super) fn light_image(settings: &LightTableSettings) -> Image {
     map_image(&[settings.table(LightTableSize::PICTURE)], false)
 }
-pub(super) fn sclera_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
+/// The white's colour, and its vessels with its relief.
+pub(super) fn sclera_images(anatomy: &Anatomy<'_>, fine: bool) -> [Image; 2] {
     let eye = anatomy.eye;
     let map = ScleraMap::new(
         &ScleraMapSettings {
             seed: fold(anatomy.patient.vessel_seed(eye.laterality)),
             age_years: anatomy.patient.age_years as f32,
             redness: anatomy.sclera.redness as f32,
+            bilirubin_mg_dl: anatomy.sclera.bilirubin_mg_dl as f32,
+            pinguecula: anatomy.sclera.pinguecula as f32,
             nasal_sign: -side(eye.laterality),
         },
-        if fine { 1024 } else { 512 },
+        if fine { 2048 } else { 1024 },
     );
-    map_image(&map.levels(), false)
+    [map.levels(), map.vessel_levels()].map(|levels| map_image(&levels, false))
 }
+/// Reflectance of the iris of all light, and below of what is scattered more than once.
 pub(super) fn reflectance_image(iris: &Iris) -> Image {
-    let table = IrisReflectanceTable::many_flux(&iris.pigment(), IRIS_TABLE[0], IRIS_TABLE[1]);
-    let texels = table
-        .rgb()
-        .iter()
-        .map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0])
-        .collect();
+    let [width, height] = IRIS_TABLE;
+    let pigment = iris.pigment();
+    let [all, again] = IrisReflectanceTable::seen(&pigment, width, height);
+    let texels = all.rgb().iter().chain(again.rgb());
+    let texels = texels.map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0]);
     map_image(
-        &[(IRIS_TABLE[0] as u32, IRIS_TABLE[1] as u32, texels)],
+        &[(width as u32, 2 * height as u32, texels.collect())],
         false,
     )
 }
@@ -129,7 +163,13 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         sclera_radius_mm: eye.scleral_radius_mm as f32,
         lipid_nm: cornea.lipid_thickness_nm as f32,
         relief: 1.0,
-        flesh: flesh(anatomy.skin),
+        flesh: flesh(anatomy.sclera),
+        above_vessels: above_vessels(anatomy.sclera),
+        iris_sky: {
+            let sky = light_settings(cornea, iris).sky().map(|value| value as f32);
+            core::array::from_fn(|i| Vec4::from_slice(&sky[4 * i..]))
+        },
+        tissue: (&IrisTissue::new(&iris.pigment())).into(),
         lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
         // The lens is filled in by its media, the pupil's place by who moves it.
         ..GlobeUniform::default()

@@ -148,6 +148,8 @@ pub const SOURCES: &[Source] = &[
             "limbus",
             "tear_reflection",
             "sclera_shade",
+            "phase",
+            "layers",
             "iris_light",
             "iris_relief",
             "iris_shade",

@@ -37,6 +37,21 @@ pub fn fresnel_dielectric(cos_incidence: f64, n1: f64, n2: f64) -> f64 {
     0.5 * (s * s + t * t)
 }
 
+/// The surface between air and a body of this index (1 to 4) that is filled with diffuse light: what it lets in of
+/// diffuse light that falls on it, and what it sends back down of diffuse light that comes up. The mean of Fresnel's
+/// reflectance over the flux; n² of the light that comes up keeps within the critical angle.
+pub fn diffuse_surface(index: f64) -> [f64; 2] {
+    let index = clamp_or(index, 1.0, 4.0, 1.0);
+    // Midpoints of the flux, ∫ T(µ) 2µ dµ = ∫ T(√x) dx.
+    const STEPS: u32 = 4096;
+    let passed = (0..STEPS).map(|i| {
+        let cosine = ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt();
+        1.0 - fresnel_dielectric(cosine, 1.0, index)
+    });
+    let entering = passed.sum::<f64>() / f64::from(STEPS);
+    [entering, 1.0 - entering / (index * index)]
+}
+
 /// Reflectance at one wavelength of a film (the lipid layer, [`LIPID_INDEX`], 20 to 120 nm thick)
 /// between air and a substrate (the aqueous tear, [`TEAR_INDEX`]). Indices from 1 to 4, thickness
 /// from 0 to 1 m and wavelength from 1 nm to 1 m, both in nm; each is limited to that, and what is
@@ -128,6 +143,19 @@ pub(super) fn clamp_or(value: f64, low: f64, high: f64, if_nan: f64) -> f64 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_surface_returns_most_of_the_diffuse_light_from_below() {
+        // Walsh's formula gives 0.0918 for diffuse light on glass of 1.5 (Duntley 1942); Egan and Hilgeman's fit
+        // of what is sent back, −1.4399/n² + 0.7099/n + 0.6681 + 0.0636 n, is right within 0.004.
+        assert!((diffuse_surface(1.5)[0] - (1.0 - 0.0918)).abs() < 1e-4);
+        for n in [1.2, 1.37, 1.5] {
+            let fit = -1.4399 / (n * n) + 0.7099 / n + 0.6681 + 0.0636 * n;
+            assert!((diffuse_surface(n)[1] - fit).abs() < 0.004, "{n}");
+        }
+        assert_eq!(diffuse_surface(1.0), [1.0, 0.0]);
+        assert_eq!(diffuse_surface(f64::NAN), [1.0, 0.0]);
+    }
 
     #[test]
     fn perpendicular_reflectance_of_the_cornea() {

@@ -97,6 +97,8 @@ impl PatientFile {
             },
             Sclera {
                 redness: own.redness,
+                bilirubin_mg_dl: own.bilirubin_mg_dl,
+                pinguecula: own.pinguecula,
             },
             Lids {
                 opening: own.lid_opening,
@@ -301,6 +303,8 @@ fn with_eye(
         scleral_radius_mm: eye.scleral_radius_mm,
         lipid_thickness_nm: cornea.lipid_thickness_nm,
         redness: sclera.redness,
+        bilirubin_mg_dl: sclera.bilirubin_mg_dl,
+        pinguecula: sclera.pinguecula,
         lid_opening: lids.opening,
         stroma_melanin_fraction: iris.stroma_melanin_fraction,
         border_layer_melanin_fraction: iris.border_layer_melanin_fraction,

@@ -385,6 +385,8 @@ with_conditions! { patient_file! {
         scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
         lipid_thickness_nm = 55.0, 0 to 200, "nm", "oily layer of the tear film";
         redness = 0.12, 0 to 1, "", "redness of the conjunctiva";
+        bilirubin_mg_dl = 0.6, 0 to 50, "mg/dL", "bilirubin in the serum; from 2.5 the white is yellow";
+        pinguecula = 0.0, 0 to 1, "", "yellow, raised tissue beside the limbus";
         lid_opening = 1.0, 0 to 1.2, "", "how far the lids open; 1 is usual";
     }
     eye_options {

@@ -5,7 +5,8 @@
 //! fibrils and bundles.
 
 use super::iris_reflectance::{
-    BORDER_LAYER_DENSITY, BORDER_LAYER_MM, IrisPigment, STROMA_MIE_DENSITY, STROMA_RAYLEIGH_DENSITY,
+    BORDER_LAYER_MIE_DENSITY, BORDER_LAYER_MM, BORDER_LAYER_RAYLEIGH_DENSITY, IrisPigment,
+    STROMA_MIE_DENSITY, STROMA_RAYLEIGH_DENSITY,
 };
 use super::layers::Layer;
 use super::melanin::TissueCoefficients;
@@ -22,8 +23,8 @@ fn border_layer(pigment: &IrisPigment, density: f64, tissue: &TissueCoefficients
             pigment.border_layer_melanin_fraction * density,
             pigment.eumelanin_ratio,
         ),
-        BORDER_LAYER_DENSITY * tissue.mie_scattering / (1.0 - g),
-        BORDER_LAYER_DENSITY * tissue.rayleigh_scattering,
+        BORDER_LAYER_MIE_DENSITY * tissue.mie_scattering / (1.0 - g),
+        BORDER_LAYER_RAYLEIGH_DENSITY * tissue.rayleigh_scattering,
         BORDER_LAYER_MM,
         g,
     )
@@ -71,6 +72,45 @@ pub(super) fn reduced_stroma(
         phase: PhaseMix::ISOTROPIC,
         ..stroma(pigment, thickness_mm, tissue, 0.0)
     }
+}
+
+/// Mean cosine of bundles whose forward peak, the share g² of what they scatter, is taken as not scattered (delta-Eddington:
+/// Joseph, Wiscombe and Weinman 1976): g/(1 + g). It keeps two moments of the phase function where reducing keeps one.
+pub const BUNDLE_SCALED_COSINE: f64 = BUNDLE_MEAN_COSINE / (1.0 + BUNDLE_MEAN_COSINE);
+
+fn without_peak(layer: Layer, fibrils: f64) -> Layer {
+    // What is left of the bundles is (1 − g²) of them, (1 + g) times their reduced coefficient.
+    let bundles = (layer.scattering - fibrils) * (1.0 + BUNDLE_MEAN_COSINE);
+    let scattering = bundles + fibrils;
+    Layer {
+        scattering,
+        phase: PhaseMix::new(fibrils / scattering, 0.0, BUNDLE_SCALED_COSINE),
+        ..layer
+    }
+}
+
+/// The anterior border layer with its bundles' forward peak taken as not scattered.
+pub(super) fn peakless_border_layer(
+    pigment: &IrisPigment,
+    density: f64,
+    tissue: &TissueCoefficients,
+) -> Layer {
+    without_peak(
+        border_layer(pigment, density, tissue, 0.0),
+        BORDER_LAYER_RAYLEIGH_DENSITY * tissue.rayleigh_scattering,
+    )
+}
+
+/// The stroma, likewise.
+pub(super) fn peakless_stroma(
+    pigment: &IrisPigment,
+    thickness_mm: f64,
+    tissue: &TissueCoefficients,
+) -> Layer {
+    without_peak(
+        stroma(pigment, thickness_mm, tissue, 0.0),
+        STROMA_RAYLEIGH_DENSITY * tissue.rayleigh_scattering,
+    )
 }
 
 /// Border layer and stroma with reduced isotropic scattering, as the two-flux estimate sees them.
@@ -121,7 +161,7 @@ mod tests {
         }
         // Equation 14's terms at 480 nm by hand: 14.74 · 480^−0.22 = 3.78987, 2.2e11/480⁴ =
         // 4.14436.
-        assert!((reduced[0].scattering - 0.15 * (3.789_87 + 4.144_36)).abs() < 1e-5);
-        assert!((reduced[1].scattering - (0.07 * 3.789_87 + 0.25 * 4.144_36)).abs() < 1e-5);
+        assert!((reduced[0].scattering - (0.15 * 3.789_87 + 0.06 * 4.144_36)).abs() < 1e-5);
+        assert!((reduced[1].scattering - (0.17 * 3.789_87 + 0.20 * 4.144_36)).abs() < 1e-5);
     }
 }

@@ -16,12 +16,18 @@
 //! `d (1/µ_i + 1/µ_o)/2`; the table's first axis is that path in the stroma, 0 to
 //! [`STROMA_PATH_MAX_MM`].
 
-use super::iris_layers::{reduced_border_layer, reduced_stroma};
-use super::many_flux::LayerFlux;
+use super::iris_layers::{
+    BUNDLE_SCALED_COSINE, peakless_border_layer, peakless_stroma, reduced_border_layer,
+    reduced_stroma,
+};
+use super::layers::{Layer, mean_transmittance};
+use super::many_flux::{LayerFlux, mean_phase, nodes_within};
 use super::melanin::TissueCoefficients;
+use super::phase::PhaseMix;
 use super::slab::{TwoFlux, slab_two_flux};
 use super::spectrum::{Spectrum, spectrum_from};
 use super::wavelengths::Wavelengths;
+use glam::{DMat3, DVec3};
 use std::sync::LazyLock;
 
 /// Number of wavelengths at which an iris is computed.
@@ -35,14 +41,15 @@ pub const STROMA_PATH_MAX_MM: f64 = 2.5;
 pub const BORDER_LAYER_MM: f64 = 0.04;
 /// Density of thin fibrils in the stroma relative to the skin of equation 14. The stroma is a
 /// loose mesh in aqueous humour; this and [`STROMA_MIE_DENSITY`] are calibrated so that
-/// [`IrisPigment::BLUE`], 0.45 mm thick, reflects what photographs of blue irises show, about
-/// (0.17, 0.23, 0.33).
-pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.25;
+/// [`IrisPigment::BLUE`], 0.45 mm thick, is as bright beside the white as photographs show light irises
+/// (their mean is sRGB 90 91 89 where the white has 202 186 169), and at the blue end of them.
+pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.20;
 /// Density of thick collagen bundles in the stroma relative to the skin of equation 14.
-pub const STROMA_MIE_DENSITY: f64 = 0.07;
-/// Density of collagen in the anterior border layer, a condensation of the stroma, relative to that
-/// skin: it gives dark irises the matt brown that they have in place of black.
-pub const BORDER_LAYER_DENSITY: f64 = 0.15;
+pub const STROMA_MIE_DENSITY: f64 = 0.17;
+/// Density of thin fibrils in the anterior border layer relative to that skin: it is made of cells, not of a mesh.
+pub const BORDER_LAYER_RAYLEIGH_DENSITY: f64 = 0.06;
+/// Density of collagen bundles in it: they give dark irises the matt brown that they have in place of black.
+pub const BORDER_LAYER_MIE_DENSITY: f64 = 0.15;
 
 /// How much melanin an iris holds, where, and of which kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +71,7 @@ impl IrisPigment {
     };
     /// Pheomelanin in the border layer: yellow over blue; amber where it is densest.
     pub const GREEN: Self = Self {
-        stroma_melanin_fraction: 0.002,
+        stroma_melanin_fraction: 0.001,
         border_layer_melanin_fraction: 0.18,
         eumelanin_ratio: 0.02,
     };
@@ -122,7 +129,8 @@ fn stroma(pigment: &IrisPigment, path_mm: f64, tissue: &TissueCoefficients) -> T
 
 /// Reduced scattering coefficient (mm⁻¹) of the anterior border layer.
 pub(super) fn border_layer_scattering(tissue: &TissueCoefficients) -> f64 {
-    BORDER_LAYER_DENSITY * (tissue.mie_scattering + tissue.rayleigh_scattering)
+    BORDER_LAYER_MIE_DENSITY * tissue.mie_scattering
+        + BORDER_LAYER_RAYLEIGH_DENSITY * tissue.rayleigh_scattering
 }
 
 /// Reduced scattering coefficient (mm⁻¹) of the stroma.
@@ -174,7 +182,7 @@ pub fn iris_reflectance(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f
 }
 
 /// As [`iris_reflectance`], with eight fluxes in place of two ([`super::many_flux`]): all orders of
-/// scattering within 3e-4, where two-flux is 3 to 8 % too dark.
+/// scattering within 3e-4, where two-flux is 3 to 10 % too dark.
 pub fn iris_reflectance_many_flux(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f64; 3] {
     let pigment = pigment.clamped();
     let (path_mm, density) = within_range(path_mm, density);
@@ -182,6 +190,109 @@ pub fn iris_reflectance_many_flux(pigment: &IrisPigment, path_mm: f64, density: 
         many_flux_border_layer(&pigment, density, tissue)
             .reflectance_over(&many_flux_stroma(&pigment, path_mm, tissue))
     }))
+}
+
+/// Nodes in each hemisphere of what is seen in the aqueous: the three steepest of eight fill the cone of
+/// [`AQUEOUS_COSINE`].
+const SEEN_NODES: usize = 8;
+/// Cosine of the critical angle of the aqueous, √(1 − 1.336⁻²): no light reaches the middle of an iris from further aside.
+pub const AQUEOUS_COSINE: f64 = 0.663;
+/// Mean of the inverse cosine over the flux of that cone, 2/(1 + [`AQUEOUS_COSINE`]): what a layer's thickness counts
+/// there.
+pub const AQUEOUS_SLANT: f64 = 1.2026;
+
+/// A layer as seen in the aqueous.
+struct SeenLayer {
+    layer: Layer,
+    flux: LayerFlux<SEEN_NODES>,
+}
+
+/// Two nodes of what is seen in the aqueous, and mean phase functions from one to the other.
+struct Pair {
+    into: f64,
+    out: f64,
+    share: f64,
+    rayleigh: f64,
+    bundles: f64,
+}
+
+static PAIRS: LazyLock<Vec<Pair>> = LazyLock::new(|| {
+    let nodes = nodes_within::<SEEN_NODES>(AQUEOUS_COSINE);
+    let both = nodes.iter().flat_map(|a| nodes.iter().map(move |b| (a, b)));
+    both.map(|(&(into, lit), &(out, seen))| Pair {
+        into,
+        out,
+        share: lit * seen,
+        rayleigh: mean_phase(&PhaseMix::RAYLEIGH, into, out),
+        bundles: mean_phase(
+            &PhaseMix::henyey_greenstein(BUNDLE_SCALED_COSINE),
+            into,
+            out,
+        ),
+    })
+    .collect()
+});
+
+impl Pair {
+    fn phase(&self, layer: &Layer) -> f64 {
+        let fibrils = layer.phase.rayleigh_share();
+        fibrils * self.rayleigh + (1.0 - fibrils) * self.bundles
+    }
+}
+
+impl SeenLayer {
+    fn new(layer: Layer) -> Self {
+        Self {
+            flux: LayerFlux::within(&layer, AQUEOUS_COSINE),
+            layer,
+        }
+    }
+
+    fn border(pigment: &IrisPigment, density: f64, tissue: &TissueCoefficients) -> Self {
+        Self::new(peakless_border_layer(pigment, density, tissue))
+    }
+
+    fn stroma(pigment: &IrisPigment, thickness_mm: f64, tissue: &TissueCoefficients) -> Self {
+        Self::new(peakless_stroma(pigment, thickness_mm, tissue))
+    }
+
+    /// This layer over `below` over black: all light, and what is scattered more than once.
+    fn over(&self, below: &Self) -> [f64; 2] {
+        let all = self.flux.reflectance_over(&below.flux);
+        let border = self.layer.optical_depth();
+        let whole = border + below.layer.optical_depth();
+        let mut once = 0.0;
+        for pair in PAIRS.iter() {
+            // π BRDF: phase and albedo over the cosines times ∫ e^(−τ s) dτ.
+            let slant = 1.0 / pair.into + 1.0 / pair.out;
+            let above = border * mean_transmittance(0.0, border * slant);
+            let deeper = (whole - border) * mean_transmittance(border * slant, whole * slant);
+            let sum = self.layer.albedo() * above * pair.phase(&self.layer)
+                + below.layer.albedo() * deeper * pair.phase(&below.layer);
+            once += pair.share * core::f64::consts::PI * sum / (pair.into * pair.out);
+        }
+        [all, (all - once).max(0.0)]
+    }
+}
+
+/// Reflectance (linear sRGB) of an iris as it is lit and seen in the aqueous, through which no light goes further aside than
+/// [`AQUEOUS_COSINE`]: radiance over irradiance/π, of all light and of what is scattered more than once. `thickness_mm` is the
+/// stroma's; arguments as in [`iris_reflectance`]. Light all around would come back more, the more obliquely the more.
+pub fn iris_reflectance_seen(
+    pigment: &IrisPigment,
+    thickness_mm: f64,
+    density: f64,
+) -> [[f64; 3]; 2] {
+    let pigment = pigment.clamped();
+    let (thickness_mm, density) = within_range(thickness_mm, density);
+    let both = AT.1.each_ref().map(|tissue| {
+        SeenLayer::border(&pigment, density, tissue).over(&SeenLayer::stroma(
+            &pigment,
+            thickness_mm,
+            tissue,
+        ))
+    });
+    [0, 1].map(|which| colour(&both.map(|one| one[which])))
 }
 
 fn many_flux_border_layer(
@@ -208,6 +319,55 @@ pub fn iris_reflectance_spectrum(pigment: &IrisPigment, path_mm: f64, density: f
     spectrum_from(|nm| reflectance_of(&pigment, path_mm, density, &TissueCoefficients::at(nm)))
 }
 
+/// Coefficients of an iris at three wavelengths, for light that is followed through it: extinction and scattering, mm⁻¹,
+/// without the forward peak of collagen bundles ([`super::iris_layers::BUNDLE_SCALED_COSINE`]). Three wavelengths give the colour of 41 to a CIEDE2000 difference of 0.7.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrisTissue {
+    /// Extinction of the border layer without melanin.
+    pub border: DVec3,
+    /// What its melanin adds where it is densest.
+    pub border_melanin: DVec3,
+    /// Scattering of the border layer.
+    pub border_scattering: DVec3,
+    /// Share of that that thin fibrils do, after Rayleigh; the rest follows Henyey and Greenstein.
+    pub border_fibrils: DVec3,
+    /// Extinction of the stroma.
+    pub stroma: DVec3,
+    /// Scattering of the stroma.
+    pub stroma_scattering: DVec3,
+    /// Share of that that thin fibrils do.
+    pub stroma_fibrils: DVec3,
+    /// What each wavelength weighs in linear sRGB: its columns.
+    pub weights: DMat3,
+}
+
+impl IrisTissue {
+    /// The coefficients of this pigment.
+    pub fn new(pigment: &IrisPigment) -> Self {
+        let pigment = pigment.clamped();
+        let few = Wavelengths::<3>::new();
+        let of = |value: &dyn Fn(&TissueCoefficients) -> f64| {
+            DVec3::from(few.nm.map(|nm| value(&TissueCoefficients::at(nm))))
+        };
+        let border = |density: f64| {
+            move |t: &TissueCoefficients| peakless_border_layer(&pigment, density, t)
+        };
+        let (bare, dense) = (border(0.0), border(1.0));
+        let stroma = |t: &TissueCoefficients| peakless_stroma(&pigment, 1.0, t);
+        let row = |channel: usize| DVec3::from(few.weights[channel]);
+        Self {
+            border: of(&|t| bare(t).extinction()),
+            border_melanin: of(&|t| dense(t).absorption - bare(t).absorption),
+            border_scattering: of(&|t| bare(t).scattering),
+            border_fibrils: of(&|t| bare(t).phase.rayleigh_share()),
+            stroma: of(&|t| stroma(t).extinction()),
+            stroma_scattering: of(&|t| stroma(t).scattering),
+            stroma_fibrils: of(&|t| stroma(t).phase.rayleigh_share()),
+            weights: DMat3::from_cols(row(0), row(1), row(2)).transpose(),
+        }
+    }
+}
+
 /// [`iris_reflectance`] on a grid: columns along the path, rows along the border layer's density.
 ///
 /// Values belong to texel centres: column `i` of `w` stands for the path
@@ -220,9 +380,8 @@ pub struct IrisReflectanceTable {
     height: usize,
 }
 
-/// Columns and rows of the table that the picture uses: within ΔE2000 0.8 of the function at 99.9 % of a
-/// hazel iris's places, 1.8 at the worst; half as many would double that.
-pub const IRIS_TABLE: [usize; 2] = [128, 64];
+/// Columns and rows of each of the two tables ([`IrisReflectanceTable::seen`]) that the picture uses.
+pub const IRIS_TABLE: [usize; 2] = [64, 32];
 
 impl IrisReflectanceTable {
     /// Computes the table of [`iris_reflectance`]; a size of 0 counts as 1.
@@ -247,6 +406,22 @@ impl IrisReflectanceTable {
             many_flux_stroma,
             LayerFlux::reflectance_over,
         )
+    }
+
+    /// Computes the tables of [`iris_reflectance_seen`]: of all light, and of what is scattered more than once. A size of 0
+    /// counts as 1.
+    pub fn seen(pigment: &IrisPigment, width: usize, height: usize) -> [Self; 2] {
+        let table = |which: usize| {
+            Self::stacked(
+                pigment,
+                width,
+                height,
+                SeenLayer::border,
+                SeenLayer::stroma,
+                move |above, below| above.over(below)[which],
+            )
+        };
+        [table(0), table(1)]
     }
 
     /// The stroma does not depend on the row nor the border layer on the column: what costs is

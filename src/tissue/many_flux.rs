@@ -17,6 +17,7 @@
 //! by rounding.
 
 use super::layers::Layer;
+use super::phase::{PHASE_ISOTROPIC, PhaseMix};
 use super::slab::TwoFlux;
 
 type Matrix<const N: usize> = [[f64; N]; N];
@@ -60,6 +61,55 @@ pub fn stack_many_flux<const N: usize>(layers: &[Layer]) -> TwoFlux {
     }
 }
 
+/// Cosines and shares of the flux of the nodes that [`LayerFlux::within`] takes.
+pub(super) fn nodes_within<const N: usize>(least: f64) -> Vec<(f64, f64)> {
+    let (cosines, weights) = gauss_legendre::<N>();
+    let taken: Vec<(f64, f64)> = cosines
+        .into_iter()
+        .zip(weights)
+        .filter(|(cosine, _)| *cosine >= least)
+        .map(|(cosine, weight)| (cosine, cosine * weight))
+        .collect();
+    let all: f64 = taken.iter().map(|(_, flux)| flux).sum();
+    taken
+        .into_iter()
+        .map(|(cosine, flux)| (cosine, flux / all))
+        .collect()
+}
+
+/// Mean over the azimuth of a phase function (sr⁻¹) between a direction into a layer and one out of it on the same side, by its
+/// Legendre series.
+pub(super) fn mean_phase(phase: &PhaseMix, into: f64, out: f64) -> f64 {
+    let (mut p, mut q) = ((1.0, into), (1.0, out));
+    let mut sum = 0.0;
+    for l in 0..64 {
+        let term = f64::from(2 * l + 1) * moment(phase, l) * p.0 * q.0;
+        sum += if l % 2 == 0 { term } else { -term };
+        (p, q) = (legendre_step(p, into, l), legendre_step(q, out, l));
+    }
+    sum * PHASE_ISOTROPIC
+}
+
+/// Legendre moment of a phase function.
+fn moment(phase: &PhaseMix, l: i32) -> f64 {
+    let forward = 1.0 - phase.rayleigh_share() - phase.isotropic_share();
+    let rayleigh = match l {
+        0 => 1.0,
+        2 => 0.1,
+        _ => 0.0,
+    };
+    let isotropic = if l == 0 { phase.isotropic_share() } else { 0.0 };
+    forward * phase.henyey_greenstein_cosine().powi(l)
+        + phase.rayleigh_share() * rayleigh
+        + isotropic
+}
+
+/// P_l and P_l+1 to P_l+1 and P_l+2.
+fn legendre_step((now, after): (f64, f64), x: f64, l: i32) -> (f64, f64) {
+    let l = f64::from(l + 1);
+    (after, ((2.0 * l + 1.0) * x * after - l * now) / (l + 1.0))
+}
+
 /// A layer whose work is done, for stacking with many others.
 pub(super) struct LayerFlux<const N: usize> {
     operators: Operators<N>,
@@ -73,19 +123,52 @@ pub(super) struct LayerFlux<const N: usize> {
 
 impl<const N: usize> LayerFlux<N> {
     pub(super) fn new(layer: &Layer) -> Self {
+        Self::within(layer, 0.0)
+    }
+
+    /// For light that comes from, and is seen in, the cone about the normal whose cosines are `least` or more: equal
+    /// radiance from all of it, and the mean over its flux.
+    pub(super) fn within(layer: &Layer, least: f64) -> Self {
         let (cosines, weights) = gauss_legendre::<N>();
         let operators = layer_operators(&layer.clamped(), &cosines, &weights);
+        let is_in = |i: usize| cosines[i] >= least;
         let flux = |i: usize| 2.0 * weights[i] * cosines[i];
+        let irradiance: f64 = (0..N).filter(|i| is_in(*i)).map(flux).sum();
+        let lit = |row: &[f64; N]| (0..N).filter(|j| is_in(*j)).map(|j| row[j]).sum::<f64>();
+        let seen = |i: usize| {
+            if is_in(i) {
+                flux(i) / (irradiance * irradiance)
+            } else {
+                0.0
+            }
+        };
         Self {
-            passed: core::array::from_fn(|i| operators.transmit[i].iter().sum()),
+            passed: core::array::from_fn(|i| lit(&operators.transmit[i])),
             leaving: core::array::from_fn(|j| {
-                (0..N).map(|i| flux(i) * operators.transmit[i][j]).sum()
+                (0..N).map(|i| seen(i) * operators.transmit[i][j]).sum()
             }),
-            reflectance: (0..N)
-                .map(|i| flux(i) * operators.reflect[i].iter().sum::<f64>())
-                .sum(),
+            reflectance: (0..N).map(|i| seen(i) * lit(&operators.reflect[i])).sum(),
             operators,
         }
+    }
+
+    /// Diffuse reflectance of the layer alone.
+    pub(super) fn reflectance(&self) -> f64 {
+        self.reflectance.clamp(0.0, 1.0)
+    }
+
+    /// Diffuse transmittance of this layer over `below`.
+    pub(super) fn transmittance_over(&self, below: &Self) -> f64 {
+        // Down between the two: (1 − r R)⁻¹ t 1; what of it leaves behind as flux, by the symmetry of a
+        // homogeneous layer what would leave in front.
+        let between = times(&self.operators.reflect, &below.operators.reflect);
+        let down = solve(&minus(&identity(), &between), &self.operators.transmit);
+        let leaving = times(&below.operators.transmit, &down);
+        let (cosines, weights) = gauss_legendre::<N>();
+        (0..N)
+            .map(|i| 2.0 * weights[i] * cosines[i] * leaving[i].iter().sum::<f64>())
+            .sum::<f64>()
+            .clamp(0.0, 1.0)
     }
 
     /// Diffuse reflectance of this layer over `below` over black.
@@ -164,21 +247,7 @@ fn layer_operators<const N: usize>(
 ) -> Operators<N> {
     // δ-M: the order of Legendre's series that 2N nodes do not carry is taken out of the
     // scattering.
-    let order = |l: i32| {
-        let forward = 1.0 - layer.phase.rayleigh_share() - layer.phase.isotropic_share();
-        let rayleigh = match l {
-            0 => 1.0,
-            2 => 0.1,
-            _ => 0.0,
-        };
-        forward * layer.phase.henyey_greenstein_cosine().powi(l)
-            + layer.phase.rayleigh_share() * rayleigh
-            + if l == 0 {
-                layer.phase.isotropic_share()
-            } else {
-                0.0
-            }
-    };
+    let order = |l: i32| moment(&layer.phase, l);
     let peak = order(2 * N as i32);
     let scattering = layer.scattering * (1.0 - peak);
     let extinction = layer.absorption + scattering;
@@ -201,11 +270,10 @@ fn layer_operators<const N: usize>(
                 let term = f64::from(2 * l + 1) * (order(l) - peak) / (1.0 - peak) * p.0 * q.0;
                 same += term;
                 opposite += if l % 2 == 0 { term } else { -term };
-                let next = |(now, after): (f64, f64), x: f64| {
-                    let l = f64::from(l + 1);
-                    (after, ((2.0 * l + 1.0) * x * after - l * now) / (l + 1.0))
-                };
-                (p, q) = (next(p, cosines[i]), next(q, cosines[j]));
+                (p, q) = (
+                    legendre_step(p, cosines[i], l),
+                    legendre_step(q, cosines[j], l),
+                );
             }
             let scale = 0.25 * slice * albedo * weights[j] / cosines[i];
             on[i][j] = -scale * same;

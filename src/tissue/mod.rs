@@ -1,4 +1,4 @@
-//! Pure tissue optics in f64, free of Bevy: what colours an iris; and what makes it irregular.
+//! Pure tissue optics in f64, free of Bevy: what colours iris and sclera, and what makes them irregular.
 //!
 //! In: pigment fractions and thicknesses. Out, from the particles to the picture:
 //!
@@ -12,12 +12,14 @@
 //! - [`spectrum`] and [`wavelengths`]: linear sRGB from 41 or from few reflectances;
 //! - [`iris_layers`], [`iris_reflectance`]: the iris as layers, and its colour as a function or
 //!   table;
-//! - [`noise`]: what is irregular in it;
+//! - [`blood`], [`sclera`]: what haemoglobin takes, and the white of an eye as layers;
+//! - [`noise`]: what is irregular in them;
 //! - [`scattering_orders`] and `colour_difference` (not in the web build): how wrong each estimate
 //!   is.
 //!
 //! Wavelengths in nm, coefficients in mm⁻¹, lengths in mm, phase functions in sr⁻¹.
 
+pub mod blood;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod colour_difference;
 pub mod iris_layers;
@@ -29,6 +31,7 @@ pub mod noise;
 pub mod phase;
 pub mod random_walk;
 pub mod scattering_orders;
+pub mod sclera;
 pub mod slab;
 pub mod spectrum;
 pub mod wavelengths;

@@ -125,6 +125,28 @@ pub fn random_walk(
     walks: u32,
     seed: u64,
 ) -> RandomWalk {
+    walk_and_look(layers, illumination, 0.0, walks, seed).0
+}
+
+/// What of the same walks is reflected in directions whose cosine to the normal is `least` or more.
+pub fn random_walk_within(
+    layers: &[Layer],
+    illumination: Illumination,
+    least: f64,
+    walks: u32,
+    seed: u64,
+) -> Estimate {
+    walk_and_look(layers, illumination, least, walks, seed).1
+}
+
+fn walk_and_look(
+    layers: &[Layer],
+    illumination: Illumination,
+    least: f64,
+    walks: u32,
+    seed: u64,
+) -> (RandomWalk, Estimate) {
+    let mut within = Tally::default();
     let walks = walks.max(2);
     let mut depth = 0.0;
     let mut strata: Vec<Stratum> = layers
@@ -161,6 +183,9 @@ pub fn random_walk(
             depth -= cos * (1.0 - rng.random::<f64>()).ln();
             if depth < 0.0 {
                 reflected.add(weight);
+                if -cos >= least {
+                    within.add(weight);
+                }
                 by_order[(order as usize - 1).min(ORDERS)].add(weight);
                 break;
             }
@@ -208,7 +233,7 @@ pub fn random_walk(
     }
 
     let n = f64::from(walks);
-    RandomWalk {
+    let walked = RandomWalk {
         reflectance: reflected.estimate(n),
         transmittance: passed.estimate(n),
         direct_transmittance: direct.estimate(n),
@@ -216,7 +241,8 @@ pub fn random_walk(
         reflected_by_order: by_order.map(|order| order.estimate(n)),
         unfinished: unfinished / n,
         collisions,
-    }
+    };
+    (walked, within.estimate(n))
 }
 
 /// Cosine to the normal after scattering by an angle with the cosine `by`, at a random azimuth.

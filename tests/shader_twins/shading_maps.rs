@@ -5,11 +5,12 @@ use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
 use glam::{DVec2, DVec3};
 use ocularium::appearance::iris_map::{IrisMap, IrisMapSettings};
-use ocularium::appearance::light_table::{LightTableSettings, LightTableSize};
+use ocularium::appearance::light_table::{LightTableSettings, LightTableSize, SKY_RADII, iris_sky};
 use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
 use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
 use ocularium::appearance::shading::iris_shade::{self, IrisMaps};
-use ocularium::appearance::shading::sclera_shade;
+use ocularium::appearance::shading::sclera_shade::{self, ScleraSight};
+use ocularium::tissue::iris_reflectance::{IrisPigment, IrisTissue};
 use rand_pcg::Pcg64;
 
 /// A point of the globe's front half and a normal near to it.
@@ -23,12 +24,7 @@ fn draw_place(rng: &mut Pcg64) -> [f32; 6] {
 
 #[test]
 fn sclera() {
-    let map = Map {
-        name: "sclera_map",
-        levels: ScleraMap::new(&ScleraMapSettings::default(), 256).levels(),
-        wrap: false,
-    };
-    let view = map.view();
+    let map = ScleraMap::new(&ScleraMapSettings::default(), 1024);
     pass_unless_off(
         &Twin {
             name: "sclera_uv",
@@ -51,13 +47,15 @@ fn sclera() {
         &Twin {
             name: "conjunctiva_filter",
             library: &["sclera_shade"],
-            call: "let c = conjunctiva_filter(vec3f(x[0], x[1], x[2]), x[3]); y[0] = c.x; y[1] = c.y; y[2] = c.z;",
+            call: "let c = conjunctiva_filter(vec3f(x[0], x[1], x[2]), vec3f(x[4], x[5], x[6]), x[3]); \
+                   y[0] = c.x; y[1] = c.y; y[2] = c.z;",
             draw: &|rng| {
                 let mut x: Vec<f32> = (0..3).map(|_| between(rng, 0.01, 0.9)).collect();
                 x.push(between(rng, -0.2, 1.2));
+                x.extend((0..3).map(|_| between(rng, 0.0, 0.9)));
                 x
             },
-            exact: &|x| rgb(sclera_shade::conjunctiva_filter(v3(x), x[3])),
+            exact: &|x| rgb(sclera_shade::conjunctiva_filter(v3(x), v3(&x[4..]), x[3])),
             absolute: 0.0,
             // A power is an exponential of a logarithm: 4 roundings of a logarithm of up to 6.5 (WGSL 15.7.4).
             relative: 1e-5,
@@ -69,34 +67,84 @@ fn sclera() {
     );
     pass_unless_off(
         &Twin {
+            name: "vessel_filter",
+            library: &["sclera_shade"],
+            call: "let c = vessel_filter(x[0], x[1], x[2], vec3f(x[3], x[4], x[5])); \
+                   let d = view_shift(normalize(vec3f(x[6], x[7], -1.0)), normalize(vec3f(x[8], x[9], -1.0)), x[0]); \
+                   y[0] = c.x; y[1] = c.y; y[2] = c.z; y[3] = d.x; y[4] = d.y; y[5] = d.z;",
+            draw: &|rng| {
+                let mut x: Vec<f32> = (0..3).map(|_| between(rng, 0.0, 0.3)).collect();
+                x.extend((0..3).map(|_| between(rng, 0.0, 1.0)));
+                x.extend((0..4).map(|_| between(rng, -2.0, 2.0)));
+                x
+            },
+            exact: &|x| {
+                let c = sclera_shade::vessel_filter(x[0], x[1], x[2], v3(&x[3..]));
+                let unit = |x: f64, y: f64| DVec3::new(x, y, -1.0).normalize();
+                let d = sclera_shade::view_shift(unit(x[6], x[7]), unit(x[8], x[9]), x[0]);
+                [rgb(c), rgb(d)].concat()
+            },
+            // Exponentials down to 1e-50 beside sums of 1.
+            absolute: 1e-6,
+            relative: 1e-5,
+            steep_share: 0.0,
+        },
+        &[],
+        2,
+        1e-2,
+    );
+    let colors = Map {
+        name: "sclera_map",
+        levels: map.levels(),
+        wrap: false,
+    };
+    let vessels = Map {
+        name: "vessel_map",
+        levels: map.vessel_levels(),
+        wrap: false,
+    };
+    let (color_view, vessel_view) = (colors.view(), vessels.view());
+    let above = DVec3::new(0.2, 0.3, 0.45);
+    pass_unless_off(
+        &Twin {
             name: "sclera_surface",
             library: &["sclera_shade"],
-            call: "let r = sclera_surface(sclera_map, sclera_map_sampler, vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), \
-                   x[6], x[7]); let c = r.albedo; y[0] = c.x; y[1] = c.y; y[2] = c.z; \
+            call: "let r = sclera_surface(sclera_map, vessel_map, sclera_map_sampler, vec3f(x[0], x[1], x[2]), \
+                   vec3f(x[3], x[4], x[5]), normalize(vec3f(x[3], x[4], x[5]) + vec3f(x[8], x[9], x[10])), x[6], x[7], \
+                   vec3f(0.2, 0.3, 0.45)); let c = r.albedo; y[0] = c.x; y[1] = c.y; y[2] = c.z; \
                    y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z; \
-                   let e = sclera_lid_bounce(LidShade(x[8], x[9], x[10], x[11])) + sclera_lamp(x[0]); y[6] = e.x; y[7] = e.z;",
+                   let e = sclera_lid_bounce(LidShade(x[11], x[12], x[13], x[14])) + sclera_lamp(x[0]); \
+                   y[6] = e.x; y[7] = e.z; y[8] = textureSampleLevel(vessel_map, vessel_map_sampler, vec2f(0.5), 0.0).a;",
             draw: &|rng| {
                 let mut x = draw_place(rng).to_vec();
                 x.extend([
                     10.0_f32.powf(between(rng, -3.0, 0.5)),
                     between(rng, 10.5, 12.5),
                 ]);
+                x.extend((0..3).map(|_| between(rng, -0.5, 0.5)));
                 x.extend(draw_shade(rng));
                 x
             },
             exact: &|x| {
-                let r = sclera_shade::sclera_surface(&view, v3(x), v3(&x[3..]), x[6], x[7]);
-                let e = sclera_shade::sclera_lid_bounce(&shade_of(&x[8..]))
+                let sight = ScleraSight {
+                    p: v3(x),
+                    normal: v3(&x[3..]),
+                    v: (v3(&x[3..]) + v3(&x[8..])).normalize(),
+                    footprint: x[6],
+                };
+                let r =
+                    sclera_shade::sclera_surface(&color_view, &vessel_view, &sight, x[7], above);
+                let e = sclera_shade::sclera_lid_bounce(&shade_of(&x[11..]))
                     + sclera_shade::sclera_lamp(x[0]);
-                [rgb(r.albedo), rgb(r.normal), vec![e.x, e.z]].concat()
+                [rgb(r.albedo), rgb(r.normal), vec![e.x, e.z, 0.0]].concat()
             },
-            // The place is good to 1.1e-4 of 256 texels, between texels that differ by up to 0.3.
+            // The place is good to 1.1e-4 of 1024 texels, a ninth of one, between texels of vessels and ripples.
             absolute: 9e-3,
             relative: 5e-6,
             // Where the level jumps to the next.
             steep_share: 0.002,
         },
-        std::slice::from_ref(&map),
+        &[colors.clone(), vessels.clone()],
         10,
         0.3,
     );
@@ -162,11 +210,12 @@ fn iris_of(x: &[f64]) -> IrisFrame {
         limbus: x[2],
         relief: x[3],
         center: v2(&x[4..]),
+        thicken: 1.3,
+        furrows: 0.7,
     }
 }
 
-const IRIS: &str =
-    "let iris = IrisFrame(x[0], x[1], x[2], x[3], vec2f(x[4], x[5])); let p = vec2f(x[6], x[7]);";
+const IRIS: &str = "let iris = IrisFrame(x[0], x[1], x[2], x[3], vec2f(x[4], x[5]), 1.3, 0.7); let p = vec2f(x[6], x[7]);";
 
 #[test]
 fn places_of_the_iris() {
@@ -225,28 +274,28 @@ fn the_relief_of_the_iris() {
             library: &["iris_relief"],
             call: &format!(
                 "{IRIS} let q = iris_place(p, iris); let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[11], x[12], x[13]); \
-                 let m = relief_march(iris_map, iris_map_sampler, q, d, x[15]); y[0] = m.x; y[1] = m.y; \
-                 let t = iris_texel(iris_map, iris_map_sampler, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
-                 let n = relief_normal(iris_map, iris_map_sampler, q, t.height, x[14], x[15], 1.0); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
-                 y[8] = relief_shadow(iris_map, iris_map_sampler, q, t.height, l, x[15]); y[9] = relief_gain(n, l); \
-                 y[10] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
+                 let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15]); y[0] = m.x; y[1] = m.y; \
+                 let t = iris_texel(iris_map, iris_map_sampler, iris, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
+                 let n = relief_normal(iris_map, iris_map_sampler, iris, q, t.height, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
+                 y[8] = relief_ridge(iris_map, iris_map_sampler, iris, q, t.height, l, x[15]); \
+                 y[9] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
             ),
             draw: &draw_march,
             exact: &|x| {
                 let (iris, p, lod) = (iris_of(x), v2(&x[6..]), x[15]);
                 let (d, l) = (v3(&x[8..]), v3(&x[11..]));
                 let q = iris_relief::iris_place(p, &iris);
-                let moved = iris_relief::relief_march(&view, &q, d, lod);
-                let t = iris_relief::iris_texel(&view, q.uv, lod);
-                let n = iris_relief::relief_normal(&view, &q, t.height, x[14], lod, 1.0);
-                let shadow = iris_relief::relief_shadow(&view, &q, t.height, l, lod);
-                let gain = iris_relief::relief_gain(n, l);
+                let moved = iris_relief::relief_march(&view, &iris, &q, d, lod);
+                let t = iris_relief::iris_texel(&view, &iris, q.uv, lod);
+                let n =
+                    iris_relief::relief_normal(&view, &iris, &q, t.height, x[14].max(0.012), lod);
+                let ridge = iris_relief::relief_ridge(&view, &iris, &q, t.height, l, lod);
                 let level = iris_relief::iris_level(view.size(), x[14], p.length(), iris.width());
                 [
                     &moved.to_array()[..],
                     &[t.height, t.thickness, t.melanin],
                     &n.to_array(),
-                    &[shadow, gain, level],
+                    &[ridge, level],
                 ]
                 .concat()
             },
@@ -272,12 +321,33 @@ fn the_light_of_the_iris() {
         reflectance: maps[1].view(),
         light: maps[2].view(),
     };
+    let sky: [f64; SKY_RADII] = core::array::from_fn(|i| 1.6 - 0.05 * i as f64);
+    let vectors = sky
+        .chunks(4)
+        .map(|v| format!("vec4f({}, {}, {}, {})", v[0], v[1], v[2], v[3]));
+    let sky_values = format!("array({})", vectors.collect::<Vec<_>>().join(", "));
+    let hazel = IrisTissue::new(&IrisPigment::HAZEL);
+    let vector = |v: DVec3| format!("vec3f({:e}, {:e}, {:e})", v.x, v.y, v.z);
+    let w = hazel.weights;
+    let tissue = format!(
+        "IrisTissue({}, {}, {}, {}, {}, {}, {}, mat3x3f({}, {}, {}))",
+        vector(hazel.border),
+        vector(hazel.border_melanin),
+        vector(hazel.border_scattering),
+        vector(hazel.border_fibrils),
+        vector(hazel.stroma),
+        vector(hazel.stroma_scattering),
+        vector(hazel.stroma_fibrils),
+        vector(w.x_axis),
+        vector(w.y_axis),
+        vector(w.z_axis),
+    );
     let call = format!(
         "{IRIS} let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
          let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14]); \
-         let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, iris, u, l); {RGB_OUT} \
-         let a = iris_ambient(reflectance_map, light_table_sampler, u); y[3] = a.x; y[4] = a.z; \
+         let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, iris, {tissue}, u, l); {RGB_OUT} \
+         let a = iris_ambient(reflectance_map, light_table_sampler, u, iris_sky({sky_values}, length(p), x[0])); y[3] = a.x; y[4] = a.z; \
          y[5] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;"
     );
     pass_unless_off(
@@ -302,8 +372,9 @@ fn the_light_of_the_iris() {
                 let iris = iris_of(x);
                 let surface =
                     iris_shade::iris_surface(&views, &iris, p, v3(&x[8..]), &start, x[14]);
-                let lamp = iris_shade::iris_lamp(&views, &iris, &surface, v3(&x[16..]));
-                let ambient = iris_shade::iris_ambient(&views, &surface);
+                let lamp = iris_shade::iris_lamp(&views, &iris, &hazel, &surface, v3(&x[16..]));
+                let ambient =
+                    iris_shade::iris_ambient(&views, &surface, iris_sky(&sky, p.length(), x[0]));
                 [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()
             },
             // A place is good to 6e-8 of 256 texels; a ridge 0.1 mm high within one makes 2e-6 mm of each
@@ -324,8 +395,8 @@ fn what_shows_through_the_pupil() {
     let call = format!(
         "{IRIS} let c = pupil_radiance(vec3f(x[8], x[9], x[10]), x[14] * vec3f(0.012, 0.010, 0.006)); {RGB_OUT} \
          y[3] = pupil_edge(p, x[15], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[11], x[12], x[13]), y[3], p.y); \
-         y[4] = m.x; y[5] = m.y; y[6] = m.z; let g = iris_edges(m, p.y); y[7] = g.x; y[8] = g.y; y[9] = g.z; \
-         y[10] = iris_openness(p.x); y[11] = iris_path(x[14], -x[15], x[9]);"
+         y[4] = m.x; y[5] = m.y; y[6] = m.z; \
+         y[7] = iris_path(x[14], -x[15], x[9]);"
     );
     pass_unless_off(
         &Twin {
@@ -347,17 +418,8 @@ fn what_shows_through_the_pupil() {
                 );
                 let edge = iris_shade::pupil_edge(place, x[15], iris.width());
                 let both = iris_shade::iris_and_pupil(pupil, v3(&x[11..]), edge, place.y);
-                let edges = iris_shade::iris_edges(both, place.y);
-                let open = iris_shade::iris_openness(place.x);
                 let path = iris_shade::iris_path(x[14], -x[15], x[9]);
-                [
-                    rgb(pupil),
-                    vec![edge],
-                    rgb(both),
-                    rgb(edges),
-                    vec![open, path],
-                ]
-                .concat()
+                [rgb(pupil), vec![edge], rgb(both), vec![path]].concat()
             },
             // WGSL allows a sine 2^-11, of 0.011, over the softest edge of 0.016 with slope 1.5.
             absolute: 6e-4,

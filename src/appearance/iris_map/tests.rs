@@ -84,11 +84,11 @@ fn every_channel_stays_in_its_range_for_legal_and_illegal_settings() {
         ..seeded(3)
     };
     for settings in [wild, open, closed, seeded(0)] {
-        for &[thickness, melanin, height, ruff] in &map(&settings).texels {
+        for &[thickness, melanin, height, furrow] in &map(&settings).texels {
             assert!((MIN_THICKNESS_MM..=MAX_THICKNESS_MM).contains(&thickness));
             assert!((0.0..=1.0).contains(&melanin));
             assert!((-0.6..=0.4).contains(&height), "{height}");
-            assert!((0.0..=1.0).contains(&ruff));
+            assert!(furrow.abs() < 0.2, "{furrow}");
         }
     }
 }
@@ -201,15 +201,27 @@ fn strands_run_radially() {
 #[test]
 fn the_ruff_is_a_tenth_of_a_millimetre_and_black() {
     let map = map(&seeded(9));
-    let covered: f32 = map.texels.iter().map(|t| t[3]).sum();
+    // Where there is no stroma, but pigment.
+    let bare = |t: &&[f32; 4]| t[0] < 1.5 * MIN_THICKNESS_MM && t[1] > 0.9;
+    let covered = map.texels.iter().filter(bare).count() as f32;
     let width_mm = covered / map.width as f32 * DESIGN_WIDTH_MM / map.height as f32;
     assert!((0.05..0.16).contains(&width_mm), "{width_mm}");
-    assert!(
-        map.texels
-            .iter()
-            .filter(|t| t[3] > 0.99)
-            .all(|t| t[1] > 0.98)
-    );
+    let edge = &map.texels[..map.width];
+    assert!(edge.iter().all(|t| bare(&t)));
+}
+
+#[test]
+fn an_iris_keeps_its_volume_and_folds_as_the_pupil_opens() {
+    let design = f64::from(DESIGN_PUPIL_RADIUS_MM);
+    assert!((thicken(design, 6.05) - 1.0).abs() < 1e-12);
+    // (6.05² − 1.75²)/(6.05² − 4²) by hand.
+    assert!((thicken(4.0, 6.05) - 33.54 / 20.6025).abs() < 1e-4);
+    assert!((furrow_depth(design) - 1.0).abs() < 1e-12);
+    assert_eq!(furrow_depth(0.7), 0.0);
+    assert!((1.7..2.0).contains(&furrow_depth(4.0)));
+    for wild in [-1.0, 100.0] {
+        assert!(thicken(wild, 6.0).is_finite() && furrow_depth(wild).is_finite());
+    }
 }
 
 #[test]

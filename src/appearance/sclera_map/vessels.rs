@@ -1,7 +1,7 @@
 //! Vessels of the bulbar conjunctiva and episclera, grown tip by tip.
 //!
-//! In: seed, settings, map size. Out: optical density of blood in two layers, sharp (conjunctival
-//! and episcleral) and blurred (deep). Branch calibres follow Murray's law (r³ = r₁³ + r₂³).
+//! In: seed, settings, sizes of maps. Out: columns of blood, mm, in two layers: of the conjunctiva, and of
+//! episclera and sclera below it, which scattering blurs. Branch calibres follow Murray's law (r³ = r₁³ + r₂³).
 
 use core::f32::consts::{PI, TAU};
 
@@ -13,13 +13,12 @@ use crate::tissue::noise::{HashStream, value_noise};
 const STEP_DEG: f32 = 0.3;
 /// Degrees per millimetre on the globe.
 const DEG_PER_MM: f32 = 180.0 / PI / 11.5;
-/// Density of a vessel one millimetre across; fine vessels are paler in proportion.
-const DENSITY_PER_MM: f32 = 11.0;
 
-/// Optical densities per texel.
+/// Columns of blood, mm, texel by texel.
 pub(super) struct Blood {
     size: usize,
-    pub sharp: Vec<f32>,
+    coarse: usize,
+    pub shallow: Vec<f32>,
     pub deep: Vec<f32>,
 }
 
@@ -52,25 +51,27 @@ struct Habit {
 }
 
 /// Grows every plexus.
-pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize) -> Blood {
+pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse: usize) -> Blood {
     let mut blood = Blood {
         size,
-        sharp: vec![0.0; size * size],
-        deep: vec![0.0; size * size],
+        coarse,
+        shallow: vec![0.0; size * size],
+        deep: vec![0.0; coarse * coarse],
     };
     let redness = settings.redness;
     deep_vessels(&mut blood, seed, redness);
-    let fullness = 0.85 + 0.9 * redness;
-    let count = (34.0 + 70.0 * redness) as u32;
+    // Injected vessels are wider, and more of them are open.
+    let fullness = 0.9 + 0.6 * redness;
+    let count = (52.0 + 90.0 * redness) as u32;
     let habit = Habit {
         swing: 0.09,
         wriggle: 0.40,
         branching: 0.045,
         stop_deg: LIMBUS_DEG + 2.0,
         aim: 0.035,
-        blur_deg: 0.07,
+        blur_deg: 0.03,
         deep: false,
-        gain: fullness,
+        gain: 1.0,
     };
     let mut dice = HashStream::new(seed, 41);
     for _ in 0..count {
@@ -79,7 +80,7 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize) -> Bloo
         let spread = if dice.unit() < 0.72 { 0.36 } else { 1.1 };
         let angle = side + spread * dice.normal();
         let start = dice.range(55.0, 99.0);
-        let radius_mm = 0.010 + 0.026 * dice.unit() * dice.unit();
+        let radius_mm = fullness * (0.009 + 0.045 * dice.unit() * dice.unit());
         let tip = tip_at(&mut dice, angle, start, radius_mm, 75.0);
         grow_tree(&mut blood, &mut dice, tip, &habit);
     }
@@ -98,7 +99,7 @@ fn deep_vessels(blood: &mut Blood, seed: u32, redness: f32) {
         aim: 0.05,
         blur_deg: 0.7,
         deep: true,
-        gain: 0.40 + 0.35 * redness,
+        gain: 0.8 + 0.6 * redness,
     };
     for rectus in 0..4 {
         for _ in 0..2 {
@@ -137,9 +138,9 @@ fn limbal_loops(blood: &mut Blood, seed: u32, fullness: f32) {
             branching: 0.10,
             stop_deg: LIMBUS_DEG - dice.range(0.0, 1.2),
             aim: 0.25,
-            blur_deg: 0.08,
+            blur_deg: 0.03,
             deep: false,
-            gain: 5.5 * fullness,
+            gain: fullness,
         };
         let radius_mm = dice.range(0.005, 0.011);
         let tip = tip_at(&mut dice, angle, outer, radius_mm, 7.0);
@@ -227,17 +228,20 @@ fn fork(tip: &mut Tip, dice: &mut HashStream) -> Tip {
 }
 
 impl Blood {
-    /// Adds a piece of vessel with a Gaussian cross-section that keeps its amount of blood
-    /// whatever the blur or the texel size.
-    fn draw(&mut self, from: Place, to: Place, radius_mm: f32, habit: &Habit, strength: f32) {
-        let texels_per_deg = self.size as f32 / (2.0 * MAP_EDGE_DEG);
+    /// Adds a piece of vessel with a Gaussian cross-section, `filled` with this share of the blood that it can
+    /// hold: π r² of it for each length, whatever the blur or the texel size.
+    fn draw(&mut self, from: Place, to: Place, radius_mm: f32, habit: &Habit, filled: f32) {
+        let size = if habit.deep { self.coarse } else { self.size };
+        let texels_per_deg = size as f32 / (2.0 * MAP_EDGE_DEG);
         let calibre = radius_mm * DEG_PER_MM;
-        let sigma_deg = (0.5 * calibre * calibre + habit.blur_deg * habit.blur_deg)
+        // A round rod has a quarter of its squared radius as variance across.
+        let sigma_deg = (0.25 * calibre * calibre + habit.blur_deg * habit.blur_deg)
             .sqrt()
             .max(0.5 / texels_per_deg);
-        let peak = DENSITY_PER_MM * 2.0 * radius_mm * (calibre / sigma_deg).min(1.0) * strength;
+        let sigma_mm = sigma_deg / DEG_PER_MM;
+        let peak = PI * radius_mm * radius_mm / (sigma_mm * TAU.sqrt()) * filled;
         let sigma = sigma_deg * texels_per_deg;
-        let half = self.size as f32 * 0.5;
+        let half = size as f32 * 0.5;
         let centre = [
             (from[0] + to[0]) * 0.5 * texels_per_deg + half - 0.5,
             half - (from[1] + to[1]) * 0.5 * texels_per_deg - 0.5,
@@ -245,7 +249,7 @@ impl Blood {
         // A row of overlapping round dabs: each carries its step's share of the line.
         let share = STEP_DEG * texels_per_deg / (sigma * (TAU).sqrt());
         let reach = 2.6 * sigma;
-        let limit = self.size as f32 - 1.0;
+        let limit = size as f32 - 1.0;
         let span = |c: f32| {
             let first = (c - reach).ceil().max(0.0);
             let last = (c + reach).floor().min(limit);
@@ -258,14 +262,14 @@ impl Blood {
         let layer = if habit.deep {
             &mut self.deep
         } else {
-            &mut self.sharp
+            &mut self.shallow
         };
         for y in y0..=y1 {
             let dy = y as f32 - centre[1];
             for x in x0..=x1 {
                 let dx = x as f32 - centre[0];
                 let fall = (-(dx * dx + dy * dy) / (2.0 * sigma * sigma)).exp();
-                layer[y * self.size + x] += peak * share * fall;
+                layer[y * size + x] += peak * share * fall;
             }
         }
     }

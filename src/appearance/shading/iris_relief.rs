@@ -1,9 +1,8 @@
-//! The relief of the iris over its plane: where the refracted ray meets it and what it takes of the
-//! light. Twin: `shaders/lib/iris_relief.wgsl`.
+//! The relief of the iris over its plane: where the refracted ray meets it and what it puts in the
+//! way of light. Twin: `shaders/lib/iris_relief.wgsl`.
 
 use super::mix;
 use crate::appearance::images::MapView;
-use crate::optics::smoothstep::smoothstep;
 use core::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
@@ -20,6 +19,10 @@ pub struct IrisFrame {
     pub relief: f64,
     /// Centre of the pupil, mm.
     pub center: DVec2,
+    /// How many times as thick as in the map the stroma is: it keeps its volume as the pupil opens.
+    pub thicken: f64,
+    /// How deep its contraction furrows are, 1 as in the map.
+    pub furrows: f64,
 }
 
 impl IrisFrame {
@@ -68,14 +71,19 @@ pub fn iris_step(place: &IrisPlace, step: DVec2) -> DVec2 {
 }
 
 /// A reading of the map, which ends a thousandth within its edges.
-pub fn iris_texel(map: &MapView, uv: DVec2, lod: f64) -> IrisTexel {
-    let [thickness, melanin, height, _] =
+pub fn iris_texel(map: &MapView, iris: &IrisFrame, uv: DVec2, lod: f64) -> IrisTexel {
+    let [thickness, melanin, height, furrow] =
         map.sample(DVec2::new(uv.x, uv.y.clamp(0.001, 0.999)), lod);
     IrisTexel {
-        height,
-        thickness,
+        height: height * iris.thicken - furrow * iris.furrows,
+        thickness: thickness * iris.thicken,
         melanin,
     }
+}
+
+/// Width (mm) of a texel of a map of this many rows, at this level.
+pub fn iris_texel_mm(rows: f64, lod: f64, iris: &IrisFrame) -> f64 {
+    iris.width() / rows * lod.exp2()
 }
 
 /// Level of a map of this size (texels) for a footprint (mm) at `radius` mm from the axis; a little
@@ -85,17 +93,30 @@ pub fn iris_level(size: DVec2, footprint: f64, radius: f64, width: f64) -> f64 {
     (texels.max_element().log2() - 0.4).max(0.0)
 }
 
+/// Most steps of the march.
+pub const RELIEF_STEPS: f64 = 12.0;
+
 /// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first
-/// place where the ray is below the surface, by linear steps and one secant.
-pub fn relief_march(map: &MapView, place: &IrisPlace, direction: DVec3, lod: f64) -> DVec2 {
+/// place where the ray is below the surface, by steps of two texels of this level and one secant.
+pub fn relief_march(
+    map: &MapView,
+    iris: &IrisFrame,
+    place: &IrisPlace,
+    direction: DVec3,
+    lod: f64,
+) -> DVec2 {
     let slope = direction.truncate() / direction.z.max(0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
-    let (top, deepest) = (0.20, 0.40);
+    let (top, deepest) = (0.20 * iris.thicken, 0.40 * iris.thicken);
+    let texel = iris_texel_mm(map.size().y, lod, iris);
+    let steps = (slope.length() * deepest / (2.0 * texel))
+        .ceil()
+        .clamp(3.0, RELIEF_STEPS);
     let (mut before, mut gap_before) = (0.0, -0.05);
-    for i in 1..=5 {
-        let depth = deepest * f64::from(i) / 5.0;
+    for i in 1..=steps as u32 {
+        let depth = deepest * f64::from(i) / steps;
         let below = iris_step(place, slope * (depth - top));
-        let gap = depth - top + iris_texel(map, below, lod).height;
+        let gap = depth - top + iris_texel(map, iris, below, lod).height;
         if gap >= 0.0 {
             return slope * (mix(before, depth, gap_before / (gap_before - gap)) - top);
         }
@@ -104,40 +125,39 @@ pub fn relief_march(map: &MapView, place: &IrisPlace, direction: DVec3, lod: f64
     slope * (deepest - top)
 }
 
-/// The relief's normal, by differences one footprint wide.
+/// The relief's normal, by differences over `e` mm.
 pub fn relief_normal(
     map: &MapView,
+    iris: &IrisFrame,
     place: &IrisPlace,
     height: f64,
-    footprint: f64,
+    e: f64,
     lod: f64,
-    relief: f64,
 ) -> DVec3 {
-    let e = footprint.max(0.012);
-    let rise = |step: DVec2| iris_texel(map, iris_step(place, step), lod).height - height;
-    let slope = DVec2::new(rise(DVec2::new(e, 0.0)), rise(DVec2::new(0.0, e))) * (relief / e);
+    let rise = |step: DVec2| iris_texel(map, iris, iris_step(place, step), lod).height - height;
+    let slope = DVec2::new(rise(DVec2::new(e, 0.0)), rise(DVec2::new(0.0, e))) * (iris.relief / e);
     (-slope).extend(-1.0).normalize()
 }
 
-/// What the relief leaves of a lamp's light: two short steps towards the lamp decide its own shadow.
-pub fn relief_shadow(
+/// Rise (mm) from one look for ridges to the next.
+pub const RIDGE_STEP_MM: f64 = 0.07;
+
+/// How much tissue (mm) ridges put in the way of light that comes from the unit direction `towards` to a
+/// place of this height: each of three looks stands for a step of the way.
+pub fn relief_ridge(
     map: &MapView,
+    iris: &IrisFrame,
     place: &IrisPlace,
     height: f64,
     towards: DVec3,
     lod: f64,
 ) -> f64 {
-    let left = |s: f64| {
-        let step = towards.truncate() * (s / (-towards.z).max(0.25));
-        let ridge = iris_texel(map, iris_step(place, step), lod).height - height;
-        1.0 - 0.55 * smoothstep(0.0, 0.10, ridge - s)
+    let up = (-towards.z).max(0.25);
+    let blocked = |i: u32| {
+        let rise = RIDGE_STEP_MM * f64::from(i);
+        let step = iris_step(place, towards.truncate() * (rise / up));
+        let ridge = iris_texel(map, iris, step, lod).height - height;
+        ((ridge - rise) / RIDGE_STEP_MM + 0.5).clamp(0.0, 1.0)
     };
-    left(0.09) * left(0.18)
-}
-
-/// What of a lamp's irradiance the relief takes up at this normal. Light that enters one fibre leaves
-/// through its neighbours, so that a part of the contrast is lost.
-pub fn relief_gain(normal: DVec3, towards: DVec3) -> f64 {
-    let cosine = normal.dot(towards).max(0.0);
-    mix(1.0, cosine / (-towards.z).max(0.1), 0.75).clamp(0.0, 2.2)
+    (blocked(1) + blocked(2) + blocked(3)) * RIDGE_STEP_MM / up
 }

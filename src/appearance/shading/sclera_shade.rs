@@ -5,6 +5,7 @@ use super::footprint::footprint_level;
 use super::lid_shade::LidShade;
 use super::surroundings::wrapped_cosines;
 use crate::appearance::images::MapView;
+use crate::tissue::sclera::SCLERA_INDEX;
 use glam::{DVec2, DVec3};
 
 /// The map is azimuthal equidistant from the front, to 100°.
@@ -27,10 +28,38 @@ pub fn sclera_uv(p: DVec3) -> DVec2 {
     0.5 + 0.5 * direction * (angle / SCLERA_HALF_ANGLE)
 }
 
-/// The normal with the relief of the map, from its height here and a step to the right and above.
-pub fn sclera_normal(normal: DVec3, here: f64, right: f64, above: f64) -> DVec3 {
-    let bump = DVec2::new(right - here, above - here) * 1.3;
-    (normal - bump.extend(0.0)).normalize()
+/// Depth (mm) of the episcleral vessels under the surface: below conjunctiva and half of the episclera
+/// (REFERENCE-face).
+pub const EPISCLERAL_DEPTH_MM: f64 = 0.15;
+/// How far light travels sideways in the tissue, mm, so that a vessel's shadow is that wide: three mean free paths of
+/// [`crate::tissue::sclera::sclera_scattering`].
+pub const SHADOW_MM: f64 = 0.3;
+
+/// The normal with the relief of the map, from how much higher (mm) it is a step (mm) to the right and above.
+pub fn sclera_normal(normal: DVec3, right: f64, above: f64, step: f64) -> DVec3 {
+    (normal - (DVec2::new(right, above) / step).extend(0.0)).normalize()
+}
+
+/// What vessels with columns of blood of `column` mm in the mean leave of white light, linear sRGB: green by Beer's law, red and
+/// blue in the proportion to it of a vessel of 0.05 mm that light crosses twice, as a vessel that is not resolved is a thread
+/// of thick blood and not a veil of thin, which would be yellow.
+pub fn blood_filter(column: f64) -> DVec3 {
+    let green = 1.0 - (-18.8 * column.max(0.0)).exp();
+    (1.0 - green * DVec3::new(0.218, 1.0, 1.148)).max(DVec3::ZERO)
+}
+
+/// Where (a step from the surface, mm, tangential) a view from the unit direction `v` is at this depth below a surface of
+/// normal `n`.
+pub fn view_shift(n: DVec3, v: DVec3, depth: f64) -> DVec3 {
+    let aside = (v - n * n.dot(v)) / SCLERA_INDEX;
+    aside * (-depth / (1.0 - aside.length_squared()).max(0.1).sqrt())
+}
+
+/// What vessels leave of the light that the white sends back: the superficial ones, with columns of `shallow` mm on the
+/// way out and `shadow` on the way in, dim all of it; the deep ones what has not turned back above them (`above`).
+pub fn vessel_filter(shallow: f64, shadow: f64, deep: f64, above: DVec3) -> DVec3 {
+    let deep = blood_filter(2.0 * deep);
+    blood_filter(shallow + shadow) * (deep + (DVec3::ONE - deep) * above)
 }
 
 /// What the white takes up of a lamp with an irradiance / π of one, at this cosine: light travels under the
@@ -45,30 +74,104 @@ pub fn sclera_lid_bounce(shade: &LidShade) -> DVec3 {
     DVec3::ONE.lerp(DVec3::new(1.05, 0.86, 0.80), near_lid * 0.8)
 }
 
-/// Mean albedo of the white, linear sRGB: what a thin layer of tissue is seen over.
-pub const SCLERA_WHITE: DVec3 = DVec3::new(0.70, 0.59, 0.54);
-
-/// What the conjunctiva leaves of the light from the white below it, by Beer and Lambert: all of it where it
-/// is thin and clear (`share` 0), as much as makes the white look like flesh where it is thick (`share` 1).
-pub fn conjunctiva_filter(flesh: DVec3, share: f64) -> DVec3 {
-    (flesh / SCLERA_WHITE).powf(share.clamp(0.0, 1.0))
+/// What the conjunctiva leaves of the light from the `white` below it, by Beer and Lambert: all of it where it is thin and
+/// clear (`share` 0), as much as makes the white look like flesh where it is thick (`share` 1).
+pub fn conjunctiva_filter(flesh: DVec3, white: DVec3, share: f64) -> DVec3 {
+    let ratio = (flesh / white.max(DVec3::splat(0.02))).min(DVec3::splat(2.0));
+    ratio.powf(share.clamp(0.0, 1.0))
 }
 
-/// Albedo and normal at a point `p`; `map` holds the albedo and in its last channel the height.
+/// Where and from where a place of the white is seen: point and unit direction (eye frame), width of a pixel there (mm).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScleraSight {
+    /// Point of the surface, mm.
+    pub p: DVec3,
+    /// Unit normal there.
+    pub normal: DVec3,
+    /// Unit direction towards the camera.
+    pub v: DVec3,
+    /// Width of a pixel, mm.
+    pub footprint: f64,
+}
+
+/// Albedo and normal at a place. `colors` holds the albedo without vessels, `vessels` columns of blood (mm) near the surface
+/// and deeper, and the height (mm); `above` is the share of light that does not reach the deeper ones.
 pub fn sclera_surface(
-    map: &MapView,
-    p: DVec3,
-    normal: DVec3,
-    footprint: f64,
+    colors: &MapView,
+    vessels: &MapView,
+    sight: &ScleraSight,
     sclera_radius: f64,
+    above: DVec3,
 ) -> ScleraSurface {
+    let ScleraSight {
+        p,
+        normal,
+        v,
+        footprint,
+    } = *sight;
     let uv = sclera_uv(p);
-    let texels = map.size().x;
-    let lod = footprint_level(footprint, 2.0 * SCLERA_HALF_ANGLE * sclera_radius / texels);
-    let [r, g, b, here] = map.sample(uv, lod);
-    let height = |x: f64, y: f64| map.sample(uv + DVec2::new(x, y) * (1.5 / texels), lod)[3];
+    let side = vessels.size().x;
+    let texel = 2.0 * SCLERA_HALF_ANGLE * sclera_radius / side;
+    let lod = footprint_level(footprint, texel);
+    // WGSL rounds halves to even.
+    let step = 1.5 * lod.round_ties_even().exp2() / side;
+    let [shallow, _, here, _] = vessels.sample(uv, lod);
+    let height = |x: f64, y: f64| vessels.sample(uv + DVec2::new(x, y) * step, lod)[2] - here;
+    let shift = view_shift(normal, v, EPISCLERAL_DEPTH_MM);
+    let deep = vessels.sample(sclera_uv(p + shift), lod)[1];
+    let shadow = vessels.sample(uv, lod.max((SHADOW_MM / texel).log2()))[0];
+    let [r, g, b, _] = colors.sample(uv, (lod - 2.0).max(0.0));
     ScleraSurface {
-        albedo: DVec3::new(r, g, b),
-        normal: sclera_normal(normal, here, height(1.0, 0.0), height(0.0, 1.0)),
+        albedo: DVec3::new(r, g, b) * vessel_filter(shallow, shadow, deep, above),
+        normal: sclera_normal(
+            normal,
+            height(1.0, 0.0),
+            height(0.0, 1.0),
+            step * side * texel,
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tissue::blood::blood_transmittance;
+
+    #[test]
+    fn a_thread_of_blood_has_the_spectrums_colour() {
+        // A round vessel of 0.05 mm is π/4 of that thick in the mean.
+        let column = 2.0 * 0.05 * core::f64::consts::FRAC_PI_4;
+        let (ours, exact) = (
+            blood_filter(column),
+            DVec3::from(blood_transmittance(column)),
+        );
+        assert!((ours - exact).abs().max_element() < 0.015, "{ours} {exact}");
+        // Green, which decides how strong a vessel is, at all columns.
+        for k in 0..=40 {
+            let column = 0.005 * f64::from(k);
+            let error = blood_filter(column).y - blood_transmittance(column)[1];
+            assert!(error.abs() < 0.03, "{column}: {error}");
+        }
+        assert_eq!(blood_filter(9.0).z, 0.0);
+    }
+
+    #[test]
+    fn depth_shifts_away_from_the_viewer_by_snell() {
+        let (n, v) = (DVec3::NEG_Z, DVec3::new(0.5, 0.0, -0.75_f64.sqrt()));
+        // sin 30°/1.37 is the sine inside.
+        let inside = (0.5_f64 / 1.37).asin();
+        let shift = view_shift(n, v, 0.2);
+        assert!((shift - DVec3::NEG_X * 0.2 * inside.tan()).length() < 1e-12);
+        assert_eq!(view_shift(n, n, 0.2).length(), 0.0);
+    }
+
+    #[test]
+    fn deep_vessels_are_paler_and_bluer() {
+        let above = DVec3::new(0.2, 0.3, 0.45);
+        let (near, far) = (
+            vessel_filter(0.04, 0.0, 0.0, above),
+            vessel_filter(0.0, 0.0, 0.02, above),
+        );
+        assert!(far.y > near.y && far.z / far.x > 1.5 * near.z / near.x);
     }
 }

@@ -5,7 +5,7 @@ use super::timing::Stopwatch;
 use crate::tissue::colour_difference::{delta_e_2000, linear_srgb_to_lab};
 use crate::tissue::iris_layers::reduced_layers;
 use crate::tissue::iris_reflectance::{
-    IrisPigment, IrisReflectanceTable, STROMA_PATH_MAX_MM, iris_reflectance_many_flux,
+    IrisPigment, IrisReflectanceTable, STROMA_PATH_MAX_MM, iris_reflectance_seen,
 };
 use crate::tissue::melanin::TissueCoefficients;
 use crate::tissue::slab::slab_two_flux;
@@ -113,7 +113,7 @@ fn few<const N: usize>(stopwatch: &Stopwatch, cases: &[Coloured]) -> super::Erro
 pub fn table(stopwatch: &Stopwatch, count: usize) -> Task {
     // The strongest colours change most within a cell.
     let pigment = IrisPigment::HAZEL;
-    let exact = |iris: &Iris| iris_reflectance_many_flux(&pigment, iris.path_mm, iris.density);
+    let exact = |iris: &Iris| iris_reflectance_seen(&pigment, iris.path_mm, iris.density)[0];
     let cases: Vec<Coloured> = irises(count, 13)
         .into_iter()
         .map(|iris| Coloured {
@@ -123,7 +123,7 @@ pub fn table(stopwatch: &Stopwatch, count: usize) -> Task {
         .collect();
     let mut rows = Vec::new();
     for (width, height) in [(8, 4), (16, 8), (32, 16), (64, 32), (128, 64)] {
-        let table = IrisReflectanceTable::many_flux(&pigment, width, height);
+        let [table, _] = IrisReflectanceTable::seen(&pigment, width, height);
         // Four half floats a texel on the GPU.
         let bytes = width * height * 8;
         let run = |case: &Coloured| table.sample(case.iris.path_mm, case.iris.density);
@@ -131,7 +131,7 @@ pub fn table(stopwatch: &Stopwatch, count: usize) -> Task {
         rows.push(stopwatch.row(method, &cases, run, difference));
     }
     rows.push(stopwatch.row(
-        ("many fluxes", 8, 0),
+        ("many fluxes", 16, 0),
         &cases,
         |case| exact(&case.iris),
         difference,
@@ -139,7 +139,7 @@ pub fn table(stopwatch: &Stopwatch, count: usize) -> Task {
     Task {
         name: "iris-table".to_owned(),
         title: "The table of an iris's colours".to_owned(),
-        call: "linear sRGB at one path and density; the function by eight fluxes at 8 wavelengths"
+        call: "linear sRGB at one path and density; the function by 16 fluxes at 8 wavelengths"
             .to_owned(),
         domain: format!(
             "{count} seeded places of a hazel iris; path 0 to 2.5 mm; border layer's density 0 to 1"

