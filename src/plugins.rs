@@ -24,7 +24,7 @@ pub mod prelude {
         Laterality, Lens, Lids, OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera,
         Skin,
     };
-    pub use crate::appearance::{EyeLight, EyeModel, Studio, StudioLight};
+    pub use crate::appearance::{EyeLight, EyeModel, EyeSurroundings, Studio, StudioLight};
     pub use crate::conditions::{
         AddCondition, Cataract, Condition, Glaucoma, GlaucomaStage, Ptosis,
     };

@@ -15,6 +15,7 @@ mod photographs;
 mod render;
 mod resized_view;
 mod rooms;
+mod scene_light;
 mod shader_twins;
 mod shaders;
 mod stage;

@@ -255,9 +255,11 @@ fn what_is_remembered_is_there_when_the_head_comes_back() {
         image::imageops::crop_imm(&picture(headless), 60, 200, 80, 90).to_image()
     };
     let sharp = telephone(&headless);
+    // Away is turned, and half a metre forwards and aside.
     let turn = |headless: &mut Headless, yaw_deg: f32| {
         headless.set_head(ocularium::stage::Head {
             yaw_deg,
+            place_m: Vec3::new(0.4, 0.0, 0.5) * (yaw_deg / 50.0),
             ..default()
         });
     };

@@ -2,7 +2,6 @@
 
 use bevy::math::UVec2;
 use image::RgbaImage;
-use ocularium::appearance::StudioLight;
 use ocularium::frame::SimulationClock;
 use ocularium::frame::readiness::Readiness;
 use ocularium::lab::headless::Headless;
@@ -11,7 +10,7 @@ use ocularium::motion::MotionCommand;
 use ocularium::motion::engine::{GazeCommand, Oculomotor, OculomotorState};
 use ocularium::patients::{PatientFile, load_patient};
 use ocularium::scene::catalog::{BuiltIn, LoadedScene};
-use ocularium::stage::Session;
+use ocularium::stage::{PanelLight, Session};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Several apps at once on a software device only slow each other down: hold this while drawing.
@@ -36,7 +35,7 @@ pub fn session(patient: PatientFile, seed: u64) -> Session {
         patient,
         scene: room.clone(),
         seed,
-        light: StudioLight::default(),
+        light: PanelLight::default(),
     }
 }
 

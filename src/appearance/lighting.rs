@@ -2,7 +2,7 @@
 
 use super::eye_camera::{EyeCamera, EyeOrbit};
 use super::illumination::{Illumination, Lamp, MOST_LAMPS};
-use super::model::{EyeAssets, EyeLight, EyeParts};
+use super::model::{EyeAssets, EyeLight, EyeParts, EyeSurroundings};
 use super::studio::{Studio, StudioLight, ring};
 use super::surroundings::Surroundings;
 use bevy::camera::visibility::RenderLayers;
@@ -162,11 +162,7 @@ impl WorldLights<'_, '_> {
             })
             .collect();
         for light in lights.iter().skip(MOST_LAMPS) {
-            // What falls on a surface that faces anywhere: a quarter of it, more from its own side.
-            let [x, y, z] = light.direction.to_array();
-            for (factor, share) in found.ambient.iter_mut().zip([1.0, y, z, x]) {
-                *factor += light.over_pi * (0.25 * share);
-            }
+            found.spread(light.direction, light.over_pi);
         }
         found
     }
@@ -186,12 +182,14 @@ pub(super) struct Lit {
 enum LitBy {
     World,
     Studio(Studio),
+    Own,
 }
 
 /// What of a model decides its light.
 type Lightable<'a> = (
     Entity,
     &'a EyeLight,
+    Option<&'a EyeSurroundings>,
     &'a GlobalTransform,
     &'a Visibility,
     Option<&'a RenderLayers>,
@@ -205,19 +203,21 @@ pub fn light_eyes(
     lights: WorldLights,
     mut assets: EyeAssets,
 ) {
-    for (entity, light, place, visibility, layers, mut parts) in &mut models {
+    for (entity, light, own, place, visibility, layers, mut parts) in &mut models {
         if *visibility == Visibility::Hidden {
             continue;
         }
         let of = match light {
             EyeLight::Studio(studio) => LitBy::Studio(*studio),
-            EyeLight::World => LitBy::World,
+            EyeLight::Surroundings if own.is_some() => LitBy::Own,
+            EyeLight::Surroundings | EyeLight::World => LitBy::World,
         };
         let known = parts.lit.as_ref().filter(|lit| lit.of == of);
         let around = match (of, known) {
             (LitBy::Studio(_), Some(lit)) => lit.around.clone(),
             (LitBy::Studio(studio), None) => Arc::new(studio.surroundings()),
-            (LitBy::World, _) => Arc::new(lights.surroundings(place, layers)),
+            (LitBy::Own, _) if let Some(own) = own => own.0.clone(),
+            (LitBy::World | LitBy::Own, _) => Arc::new(lights.surroundings(place, layers)),
         };
         let mut illumination = around.illumination();
         if let LitBy::Studio(studio) = of

@@ -40,7 +40,7 @@ mod tissue_maps;
 pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, eye_camera};
 pub use illumination::Lamp;
 pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
-pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts};
+pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts, EyeSurroundings};
 pub use studio::{Studio, StudioLight};
 
 use crate::frame::EyeSystems;
@@ -61,6 +61,7 @@ impl Plugin for AppearancePlugin {
         .register_type::<EyeModel>()
         .register_type::<EyeDetail>()
         .register_type::<EyeLight>()
+        .register_type::<EyeSurroundings>()
         .register_type::<EyeCamera>()
         .register_type::<EyeOrbit>()
         .register_type::<EyeQuality>()

@@ -17,6 +17,7 @@ use super::materials::{
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::studio::Studio;
+use super::surroundings::Surroundings;
 use super::tissue_maps::{
     flesh, iris_image, light_image, light_settings, reflectance_image, sclera_images, skin_albedo,
     skin_image, static_uniform,
@@ -32,6 +33,7 @@ use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use std::sync::Arc;
 
 /// Metres in the unit of the eye's meshes.
 pub const METRES_A_MM: f32 = 1e-3;
@@ -53,6 +55,18 @@ pub enum EyeLight {
     World,
     /// A studio of its own.
     Studio(Studio),
+    /// What its [`EyeSurroundings`] say.
+    Surroundings,
+}
+
+/// What surrounds an eye whose [`EyeLight`] is [`EyeLight::Surroundings`]: a map of what it mirrors and the light of it, from
+/// wherever one likes.
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(Component)]
+pub struct EyeSurroundings(#[reflect(ignore, default = "nothing_around")] pub Arc<Surroundings>);
+
+fn nothing_around() -> Arc<Surroundings> {
+    Arc::new(Surroundings::even(Vec3::ZERO))
 }
 
 /// How fine the maps of an eye's tissues are; another fineness builds the eye anew.

@@ -227,9 +227,14 @@ impl Studio {
             });
         }
         let mut found = Surroundings::new(STUDIO_SIDE, |d| around(back * d), shine, lamps);
-        found.exposure = (FACE_LIGHT / face_light(&found)) as f32;
+        found.exposure = face_exposure(&found);
         found
     }
+}
+
+/// The exposure that a photographer of a face chooses in these surroundings: a white card before it is as bright in any.
+pub fn face_exposure(surroundings: &Surroundings) -> f32 {
+    (FACE_LIGHT / face_light(surroundings).max(1e-9)) as f32
 }
 
 /// A ring flash around a lens in this unit direction, this far (mm) from the eye; its colour is left out.

@@ -90,6 +90,19 @@ impl Surroundings {
         }
     }
 
+    /// Adds light from a unit direction, of this irradiance / π across it, to what is no lamp: a quarter of it from everywhere and
+    /// more from its own side.
+    pub fn spread(&mut self, direction: Vec3, color: Vec3) {
+        let [x, y, z] = direction.to_array();
+        for (factor, share) in self
+            .ambient
+            .iter_mut()
+            .zip([1.0, 2.0 * y, 2.0 * z, 2.0 * x])
+        {
+            *factor += color * (0.25 * share);
+        }
+    }
+
     /// Irradiance / π on a surface of this unit normal, lamps and all.
     pub fn irradiance(&self, n: DVec3) -> DVec3 {
         let lamps: DVec3 = self

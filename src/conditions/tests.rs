@@ -170,3 +170,19 @@ fn an_eye_without_change_is_not_written() {
         .last_changed();
     assert_eq!(tick, now);
 }
+
+#[test]
+fn what_conditions_write_comes_back_if_it_is_taken_away() {
+    let (mut app, patient, [right, _]) = app();
+    app.world_mut()
+        .entity_mut(patient)
+        .insert(Cataract::nuclear(4.0));
+    app.update();
+    let media = |app: &App| app.world().get::<OcularMedia>(right).cloned();
+    let clouded = media(&app).expect("media");
+    assert!(!clouded.is_clear());
+    app.world_mut().entity_mut(right).remove::<OcularMedia>();
+    app.update();
+    app.update();
+    assert_eq!(media(&app), Some(clouded));
+}

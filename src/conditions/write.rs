@@ -83,14 +83,16 @@ fn notice_anatomy(
     mut irides: RemovedComponents<Iris>,
     mut refractions: RemovedComponents<Refraction>,
     mut lids: RemovedComponents<Lids>,
+    mut media: RemovedComponents<OcularMedia>,
+    mut fields: RemovedComponents<VisualField>,
     mut stale: ResMut<Stale>,
 ) {
-    if !changed.is_empty() || !irides.is_empty() || !refractions.is_empty() || !lids.is_empty() {
+    if !changed.is_empty() {
         stale.0.extend(&changed);
-        stale.0.extend(irides.read());
-        stale.0.extend(refractions.read());
-        stale.0.extend(lids.read());
     }
+    let own = irides.read().chain(refractions.read()).chain(lids.read());
+    // What is written here comes back, if it is taken away.
+    stale.0.extend(own.chain(media.read()).chain(fields.read()));
 }
 
 /// Writes what every stale eye has.

@@ -258,7 +258,7 @@ pub fn table_slots(occupied: u32, pixels: u32) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::percept) mod tests {
     use super::*;
 
     #[test]
@@ -334,24 +334,50 @@ mod tests {
         assert_eq!(members.len(), 43);
     }
 
-    #[test]
-    fn a_photographs_numbers_are_in_the_same_places() {
-        let wgsl = include_str!("../../shaders/view/capture/capture_photo.wgsl");
-        let (_, rest) = wgsl.split_once("struct PhotoUniform").unwrap();
+    /// Members of a struct of a shader, where they are, and its size.
+    pub(in crate::percept) fn laid_out(wgsl: &str, name: &str) -> (Vec<(String, usize)>, usize) {
+        let (_, rest) = wgsl.split_once(&format!("struct {name} ")).unwrap();
         let (body, _) = rest.split_once("};").unwrap();
-        let module =
-            naga::front::wgsl::parse_str(&format!("struct PhotoUniform {body}}};")).unwrap();
+        let module = naga::front::wgsl::parse_str(&format!("struct {name} {body}}};")).unwrap();
         let (_, ty) = module.types.iter().last().unwrap();
         let naga::TypeInner::Struct { members, span } = &ty.inner else {
             panic!("no struct")
         };
-        let found: Vec<(&str, usize)> = members
-            .iter()
-            .map(|member| (member.name.as_deref().unwrap(), member.offset as usize))
-            .collect();
+        let member = |m: &naga::StructMember| (m.name.clone().unwrap(), m.offset as usize);
+        (members.iter().map(member).collect(), *span as usize)
+    }
+
+    #[test]
+    fn the_medias_numbers_are_in_the_same_places() {
+        let wgsl = include_str!("../../shaders/view/present/media.wgsl");
+        let (found, span) = laid_out(wgsl, "MediaUniform");
         macro_rules! same {
             ($($name:ident),*) => {
-                vec![$((stringify!($name), std::mem::offset_of!(PhotoUniform, $name))),*]
+                vec![$((stringify!($name).to_owned(), std::mem::offset_of!(MediaUniform, $name))),*]
+            };
+        }
+        assert_eq!(
+            found,
+            same!(
+                weights,
+                transmittance,
+                scattered,
+                source_size,
+                texels_per_radian,
+                last_level,
+                near
+            )
+        );
+        assert_eq!(span, size_of::<MediaUniform>());
+    }
+
+    #[test]
+    fn a_photographs_numbers_are_in_the_same_places() {
+        let wgsl = include_str!("../../shaders/view/capture/capture_photo.wgsl");
+        let (found, span) = laid_out(wgsl, "PhotoUniform");
+        macro_rules! same {
+            ($($name:ident),*) => {
+                vec![$((stringify!($name).to_owned(), std::mem::offset_of!(PhotoUniform, $name))),*]
             };
         }
         assert_eq!(
@@ -360,7 +386,7 @@ mod tests {
                 right, has_moved, up, flat_m, back, unused, eye_m, unused_too
             )
         );
-        assert_eq!(*span as usize, size_of::<PhotoUniform>());
+        assert_eq!(span, size_of::<PhotoUniform>());
     }
 
     #[test]

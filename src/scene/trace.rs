@@ -11,6 +11,7 @@ use super::model::{
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// Where a ray first meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,12 +44,18 @@ struct Node {
     axis: usize,
 }
 
+/// All triangles of a scene, sorted for rays.
+#[derive(Debug)]
+pub struct Tree {
+    triangles: Vec<Triangle>,
+    nodes: Vec<Node>,
+}
+
 /// A scene prepared for rays.
 #[derive(Debug)]
 pub struct Tracer<'a> {
     scene: &'a SceneModel,
-    triangles: Vec<Triangle>,
-    nodes: Vec<Node>,
+    tree: Arc<Tree>,
 }
 
 impl<'a> Tracer<'a> {
@@ -71,11 +78,17 @@ impl<'a> Tracer<'a> {
         if count > 0 {
             split(&mut triangles, 0, count, &mut nodes);
         }
-        Self {
-            scene,
-            triangles,
-            nodes,
-        }
+        Self::with(scene, Arc::new(Tree { triangles, nodes }))
+    }
+
+    /// The same scene again, with the tree that was made of it ([`Self::tree`]).
+    pub fn with(scene: &'a SceneModel, tree: Arc<Tree>) -> Self {
+        Self { scene, tree }
+    }
+
+    /// The sorted triangles, to be kept.
+    pub fn tree(&self) -> Arc<Tree> {
+        self.tree.clone()
     }
 
     /// The nearest surface at a distance between `near` and `far` metres along the unit
@@ -86,10 +99,11 @@ impl<'a> Tracer<'a> {
         let inverse = Vec3::new(steep(direction.x), steep(direction.y), steep(direction.z));
         let (mut best, mut limit) = (None, far);
         let mut stack = [0u32; 64];
-        let mut depth = usize::from(!self.nodes.is_empty());
+        let Tree { triangles, nodes } = &*self.tree;
+        let mut depth = usize::from(!nodes.is_empty());
         while depth > 0 {
             depth -= 1;
-            let node = &self.nodes[stack[depth] as usize];
+            let node = &nodes[stack[depth] as usize];
             if !crosses(node, origin, inverse, limit) {
                 continue;
             }
@@ -103,7 +117,7 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             for index in node.start..node.start + node.count {
-                let triangle = &self.triangles[index as usize];
+                let triangle = &triangles[index as usize];
                 if let Some((distance, barycentric)) = meet(triangle, origin, direction)
                     && distance > near
                     && distance < limit
@@ -246,6 +260,54 @@ impl<'a> Tracer<'a> {
             };
         }
         sum.into()
+    }
+
+    /// The scene's own lights that reach a place: towards it (unit), and the luminance that a white matt surface facing it
+    /// has, linear sRGB in cd/m²; and whether it is a sun.
+    pub fn lights_at(&self, place: Vec3) -> Vec<(Vec3, Vec3, bool)> {
+        let seen = |to_light: Vec3, distance: f32, shadows: bool| {
+            !shadows || self.cast(place, to_light, 1e-3, distance).is_none()
+        };
+        let lights = self.scene.lights.iter().filter_map(|light| match *light {
+            SceneLight::Ambient { .. } => None,
+            SceneLight::Directional {
+                direction,
+                color,
+                illuminance_lux,
+                shadows,
+            } => {
+                let to_light = -Vec3::from(direction);
+                let color = Vec3::from(color) * (illuminance_lux / PI);
+                seen(to_light, 1e4, shadows).then_some((to_light, color, true))
+            }
+            SceneLight::Point {
+                position,
+                color,
+                intensity_lm,
+                range,
+                shadows,
+            } => {
+                let offset = Vec3::from(position) - place;
+                let distance = offset.length().max(1e-2);
+                let to_light = offset / distance;
+                let candela = intensity_lm / (4.0 * PI);
+                let color = Vec3::from(color) * (candela / (distance * distance) / PI);
+                (distance < range && seen(to_light, distance, shadows))
+                    .then_some((to_light, color, false))
+            }
+        });
+        lights.collect()
+    }
+
+    /// Light from everywhere of the scene, cd/m², linear sRGB.
+    pub fn ambient(&self) -> Vec3 {
+        let lights = self.scene.lights.iter();
+        lights
+            .filter_map(|light| match light {
+                SceneLight::Ambient { color, brightness } => Some(Vec3::from(*color) * *brightness),
+                _ => None,
+            })
+            .sum()
     }
 
     /// Mean luminance of the view from the scene's eye, cd/m², over `side × side` directions that

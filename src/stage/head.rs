@@ -3,9 +3,11 @@
 //! Enters: a path file (RON), or whoever moves [`Head`]. Leaves: the place of the camera that sees.
 
 use super::Stage;
+use crate::anatomy::{Laterality, Patient};
 use crate::frame::SimulationClock;
 use crate::input_file::notation::{self, Fault, FaultKind};
 use crate::input_file::read_input_file;
+use crate::scene::catalog::LoadedScene;
 use bevy::prelude::*;
 use serde::Deserialize;
 use std::path::Path;
@@ -291,15 +293,30 @@ pub(super) fn follow_path(clock: Res<SimulationClock>, mut heads: Query<(&HeadPa
     }
 }
 
-/// Puts the camera that sees where the head is.
-pub(super) fn place_head(stage: Res<Stage>, mut heads: Query<(&Head, &Seat, &mut Transform)>) {
-    if let Ok((head, seat, mut transform)) = heads.get_mut(stage.view) {
-        transform.set_if_neq(if *head == Head::default() {
-            seat.0
-        } else {
-            seat.0 * head.transform()
-        });
+/// Puts the camera that sees where the head is: a scene is seen by its right eye, or by the left one, if that leads, as far
+/// to the left of it as the eyes are apart. A photograph is as it was taken, whichever eye looks at it.
+pub(super) fn place_head(
+    stage: Res<Stage>,
+    people: Query<&Patient>,
+    mut heads: Query<(&Head, &Seat, &mut Transform)>,
+) {
+    let Ok((head, seat, mut transform)) = heads.get_mut(stage.view) else {
+        return;
+    };
+    let aside_m = match (&*stage.scene, people.get(stage.patient)) {
+        (LoadedScene::Model(_), Ok(person)) if person.leading == Laterality::OS => {
+            -person.interpupillary_mm * 1e-3
+        }
+        _ => 0.0,
+    };
+    let mut place = seat.0;
+    if *head != Head::default() {
+        place = place * head.transform();
     }
+    if aside_m != 0.0 {
+        place = place * Transform::from_xyz(aside_m as f32, 0.0, 0.0);
+    }
+    transform.set_if_neq(place);
 }
 
 #[cfg(test)]

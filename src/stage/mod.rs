@@ -5,13 +5,17 @@
 //! studio with a camera before it, and a camera that [`SeesAs`] she does.
 
 pub mod head;
+mod panel_light;
+mod scene_light;
 mod scene_view;
+
+pub use panel_light::PanelLight;
 
 pub use head::{Head, HeadPath};
 
 use crate::anatomy::{Adaptation, Patient};
 use crate::appearance::{
-    EyeCamera, EyeDetail, EyeLight, EyeModel, EyeOrbit, EyeQuality, Studio, StudioLight, eye_camera,
+    EyeCamera, EyeDetail, EyeLight, EyeModel, EyeOrbit, EyeQuality, eye_camera,
 };
 use crate::frame::readiness::Readiness;
 use crate::frame::{EyeCommands, EyeSystems, Panel, SimulationClock};
@@ -42,7 +46,7 @@ pub struct Session {
     /// Seed of every random choice.
     pub seed: u64,
     /// What the eye is lit by.
-    pub light: StudioLight,
+    pub light: PanelLight,
 }
 
 impl Session {
@@ -52,7 +56,7 @@ impl Session {
             patient,
             scene: Arc::new(scene),
             seed,
-            light: StudioLight::default(),
+            light: PanelLight::default(),
         }
     }
 }
@@ -154,6 +158,7 @@ impl Plugin for StagePlugin {
     fn build(&self, app: &mut App) {
         let stage = set(app.world_mut(), &self.session, self.sizes, self.shown);
         app.insert_resource(stage)
+            .init_resource::<scene_light::FoundLight>()
             .add_message::<SessionCommand>()
             .add_message::<Restarted>()
             .add_systems(
@@ -164,7 +169,7 @@ impl Plugin for StagePlugin {
                         carry_out,
                         mind_panels,
                         scene_view::fit_field,
-                        scene_view::adapt,
+                        scene_light::adapt,
                     )
                         .chain()
                         .in_set(EyeCommands),
@@ -174,7 +179,12 @@ impl Plugin for StagePlugin {
             .add_systems(
                 Update,
                 (
-                    (head::follow_path, head::place_head).chain(),
+                    (
+                        head::follow_path,
+                        head::place_head,
+                        scene_light::light_by_scene,
+                    )
+                        .chain(),
                     play.run_if(any_with_component::<PlayingScene>.and_then(is_view_shown)),
                 )
                     .in_set(EyeSystems::Move),
@@ -205,14 +215,7 @@ fn set(world: &mut World, session: &Session, sizes: [UVec2; 2], shown: [bool; 2]
         .id();
     let layer = RenderLayers::layer(EYE_LAYER);
     let model = world
-        .spawn((
-            EyeModel(patient),
-            EyeLight::Studio(Studio {
-                light: session.light,
-                ..Studio::default()
-            }),
-            layer.clone(),
-        ))
+        .spawn((EyeModel(patient), session.light.component(), layer.clone()))
         .id();
     let eye = world.spawn(eye_camera(model, eye_panel, layer)).id();
     let view = world
@@ -361,20 +364,15 @@ impl StageView<'_, '_> {
     }
 
     /// What the eye is lit by.
-    pub fn light(&self) -> StudioLight {
-        match self.lights.get(self.stage.model) {
-            Ok(EyeLight::Studio(studio)) => studio.light,
-            _ => StudioLight::default(),
-        }
+    pub fn light(&self) -> PanelLight {
+        let light = self.lights.get(self.stage.model);
+        light.map_or_else(|_| PanelLight::default(), PanelLight::from)
     }
 
     /// Lights the eye otherwise.
-    pub fn set_light(&mut self, light: StudioLight) {
+    pub fn set_light(&mut self, light: PanelLight) {
         if let Ok(mut now) = self.lights.get_mut(self.stage.model) {
-            now.set_if_neq(EyeLight::Studio(Studio {
-                light,
-                ..Studio::default()
-            }));
+            now.set_if_neq(light.component());
         }
     }
 

@@ -2,8 +2,7 @@
 
 use super::Stage;
 use super::head::Seat;
-use crate::anatomy::Adaptation;
-use crate::frame::{Panel, SimulationClock};
+use crate::frame::Panel;
 use crate::percept::NEAR_M;
 use crate::percept::{Percept, ViewOptions};
 use crate::scene::catalog::LoadedScene;
@@ -107,12 +106,15 @@ fn standing_in(model: &SceneModel) -> impl Bundle + use<> {
         // One tap of four texels: a browser may run on a software rasteriser, and cannot say so.
         #[cfg(target_arch = "wasm32")]
         bevy::light::ShadowFilteringMethod::Hardware2x2,
-        Seat(
-            Transform::from_translation(Vec3::from(model.eye.position_m))
-                .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up)),
-        ),
+        Seat(seat(model)),
         RenderLayers::layer(SCENE_LAYER),
     )
+}
+
+/// Where a model puts the eye.
+pub(super) fn seat(model: &SceneModel) -> Transform {
+    Transform::from_translation(Vec3::from(model.eye.position_m))
+        .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up))
 }
 
 /// The scene's angle spans the smaller side of the view.
@@ -134,23 +136,5 @@ pub(super) fn fit_field(stage: Res<Stage>, mut views: Query<(&Panel, &mut Projec
             far: 1000.0,
             ..default()
         });
-    }
-}
-
-/// The eye gets used to the light of the picture that it sees, where pictures follow one another.
-pub(super) fn adapt(
-    stage: Res<Stage>,
-    clock: Res<SimulationClock>,
-    mut people: Query<&mut Adaptation>,
-) {
-    let LoadedScene::Photo(photo) = &*stage.scene else {
-        return;
-    };
-    if photo.course.is_none() {
-        return;
-    }
-    if let Ok(mut adaptation) = people.get_mut(stage.patient) {
-        let luminance_cd_m2 = photo.picture_luminance_cd_m2(photo.picture_at(clock.time_s));
-        adaptation.set_if_neq(Adaptation { luminance_cd_m2 });
     }
 }

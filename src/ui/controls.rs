@@ -7,9 +7,8 @@ use super::pictures::bars;
 use super::state::{Controlled, GazeMode, UiState};
 use super::{OwnScene, Request, Saved};
 use crate::appearance::EyeOrbit;
-use crate::appearance::studio::STUDIO_LIGHTS;
 use crate::motion::MotionCommand;
-use crate::stage::SessionCommand;
+use crate::stage::{PanelLight, SessionCommand};
 use bevy_egui::egui::{self, Ui};
 
 /// The title, and the button that puts the controls away: it must not scroll away with them.
@@ -215,7 +214,7 @@ fn panels(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         let response = egui::ComboBox::from_id_salt("light")
             .selected_text(lit.name())
             .show_ui(ui, |ui| {
-                for light in STUDIO_LIGHTS {
+                for light in PanelLight::ALL {
                     let label = ui.selectable_label(lit == light, light.name());
                     if label.on_hover_text(light.description()).clicked() {
                         controlled.view.set_light(light);

@@ -10,10 +10,10 @@ mod patient;
 pub use patient::changes;
 
 use crate::anatomy::gaze::GazeAngles;
-use crate::appearance::studio::STUDIO_LIGHTS;
-use crate::appearance::{EyeOrbit, StudioLight};
+use crate::appearance::EyeOrbit;
 use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::scene::catalog::BuiltIn;
+use crate::stage::PanelLight;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::fmt::Write;
 
@@ -70,7 +70,7 @@ pub struct LinkState {
     /// Where the camera before the eye stands.
     pub orbit: EyeOrbit,
     /// What the eye is lit by.
-    pub light: StudioLight,
+    pub light: PanelLight,
     /// Seconds of simulation in a second of real time, 0.05 to 4.
     pub speed: f64,
     /// Is it marked in the view where the eye looks?
@@ -89,7 +89,7 @@ impl Default for LinkState {
             gaze: LinkGaze::Auto,
             held_pupil_mm: None,
             orbit: EyeOrbit::default(),
-            light: StudioLight::default(),
+            light: PanelLight::default(),
             speed: 1.0,
             marker: false,
             paused_at_s: None,
@@ -287,12 +287,12 @@ impl LinkState {
                     "degrees (-85 to 85), degrees (-80 to 80) and mm (35 to 400), as in 30,0,93",
                 ),
             },
-            "light" => match StudioLight::of(value) {
+            "light" => match PanelLight::of(value) {
                 Some(light) => {
                     self.light = light;
                     Ok(())
                 }
-                None => refuse(&STUDIO_LIGHTS.map(StudioLight::name).join(", ")),
+                None => refuse(&PanelLight::ALL.map(PanelLight::name).join(", ")),
             },
             "pupil_mm" => match number(1.0, 9.0) {
                 Some(pupil_mm) => {

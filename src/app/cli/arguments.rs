@@ -5,10 +5,9 @@ use super::values::{
     parse_distance, parse_fps, parse_orbit, parse_scene_fps, parse_seconds, parse_seed, parse_size,
     parse_threshold,
 };
-use crate::appearance::StudioLight;
-use crate::appearance::studio::STUDIO_LIGHTS;
 use crate::lab::measure::MeasureTable;
 use crate::scene::depth_file::DepthUnit;
+use crate::stage::PanelLight;
 use bevy::math::UVec2;
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -105,17 +104,17 @@ pub(super) enum Command {
     },
 }
 
-/// [`StudioLight`] on the command line.
+/// [`PanelLight`] on the command line.
 #[derive(Clone, Copy)]
-pub(super) struct LightArg(pub(super) StudioLight);
+pub(super) struct LightArg(pub(super) PanelLight);
 
 impl ValueEnum for LightArg {
     fn value_variants<'a>() -> &'a [Self] {
-        const ALL: [LightArg; STUDIO_LIGHTS.len()] = {
-            let mut all = [LightArg(STUDIO_LIGHTS[0]); STUDIO_LIGHTS.len()];
+        const ALL: [LightArg; PanelLight::ALL.len()] = {
+            let mut all = [LightArg(PanelLight::Scene); PanelLight::ALL.len()];
             let mut i = 0;
             while i < all.len() {
-                all[i] = LightArg(STUDIO_LIGHTS[i]);
+                all[i] = LightArg(PanelLight::ALL[i]);
                 i += 1;
             }
             all

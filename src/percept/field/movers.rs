@@ -227,6 +227,19 @@ pub struct Moved {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_movers_numbers_are_where_its_shader_reads_them() {
+        let wgsl = include_str!("../../../shaders/view/field/movers.wgsl");
+        let (found, span) = crate::percept::gpu_data::tests::laid_out(wgsl, "Mover");
+        macro_rules! same {
+            ($($name:ident),*) => {
+                vec![$((stringify!($name).to_owned(), std::mem::offset_of!(MoverData, $name))),*]
+            };
+        }
+        assert_eq!(found, same!(own, rest, center, name, half_size, is_new));
+        assert_eq!(span, size_of::<MoverData>());
+    }
+
     fn mapped(rows: [[f32; 4]; 3], point: Vec3) -> Vec3 {
         let [x, y, z] = rows.map(|row| Vec4::from(row).dot(point.extend(1.0)));
         Vec3::new(x, y, z)

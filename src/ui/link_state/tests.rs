@@ -198,7 +198,7 @@ proptest! {
             shown,
             gaze: if fixed { gaze } else { LinkGaze::Follow },
             held_pupil_mm: fixed.then_some(f64::from(hundredths.2 % 800 + 100) / 100.0),
-            light: StudioLight::of(["window", "ring", "overcast"][hundredths.0.unsigned_abs() as usize % 3]).expect("a light"),
+            light: PanelLight::of(["window", "scene", "overcast"][hundredths.0.unsigned_abs() as usize % 3]).expect("a light"),
             orbit: EyeOrbit { azimuth_deg: hundredths.0 as f32 / 100.0, ..EyeOrbit::default() },
             speed: 0.25,
             marker: fixed,
