@@ -322,7 +322,7 @@ mod tests {
             let maps = flat(0.45, density as f32);
             for (into, out, turn) in [(1.0, 1.0, 0.0), (0.7, 0.9, 2.0), (0.8, 0.6, 4.0)] {
                 let border = tissue.border + tissue.border_melanin * density;
-                let sines = ((1.0 - into * into) * (1.0 - out * out) as f64).sqrt();
+                let sines = f64::sqrt((1.0 - into * into) * (1.0 - out * out));
                 let cosine = -(into * out + sines * f64::cos(turn));
                 let phase = |share: DVec3| {
                     let of = |share: f64| phase_mix(cosine, share, 0.0, BUNDLE_SCALED_COSINE);
