@@ -479,7 +479,8 @@ const CHANGES: &[Change] = &[
     (
         "Patient",
         |w, _, patient| with(w, patient, |p: &mut Patient| p.leading = Laterality::OS),
-        [true, false],
+        // The left eye is shown, and sees from its own place.
+        [true, true],
     ),
     (
         "EyeModel and SeesAs of another person",

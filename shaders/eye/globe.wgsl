@@ -95,9 +95,10 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #ifdef CLOUDED
     lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, trace.direction.xy / max(trace.direction.z, 0.2), globe.lens_turn);
 #endif
+    // Radiance spreads where it leaves the aqueous; what the lens sends back is as it is seen from outside.
+    lit /= globe.aqueous_index * globe.aqueous_index;
     let inside = iris_and_pupil(pupil_radiance(lamps, lens), lit, edge, place.uv.y);
-    // Radiance spreads where it leaves the aqueous.
-    return inside * (trace.transmittance / (globe.aqueous_index * globe.aqueous_index));
+    return inside * trace.transmittance;
 }
 #endif
 

@@ -54,7 +54,7 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     IrisMapSettings {
         seed: fold(seed),
         border_layer_cover: 0.15 + 0.6 * share,
-        central_heterochromia: 0.3 + 0.5 * ring,
+        central_heterochromia: 0.55 + 0.25 * ring,
         crypt_density: 0.5 - 0.15 * share,
         furrow_count: if share > 0.7 { 5 } else { 4 },
         ..IrisMapSettings::default()

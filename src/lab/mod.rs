@@ -13,6 +13,8 @@ pub mod headless;
 pub mod image_difference;
 #[cfg(feature = "app")]
 pub mod irradiance;
+#[cfg(feature = "app")]
+pub mod looks;
 pub mod measure;
 pub mod record;
 pub mod render;

@@ -63,11 +63,12 @@ pub struct IrisPigment {
 }
 
 impl IrisPigment {
-    /// Almost no melanin: blue by scattering alone.
+    /// Next to no melanin: blue by scattering; a little pheomelanin where the border layer is densest, as the collarette of most
+    /// pale irises is yellower than the rest.
     pub const BLUE: Self = Self {
         stroma_melanin_fraction: 0.0004,
-        border_layer_melanin_fraction: 0.002,
-        eumelanin_ratio: 0.9,
+        border_layer_melanin_fraction: 0.02,
+        eumelanin_ratio: 0.1,
     };
     /// Pheomelanin in the border layer: yellow over blue; amber where it is densest.
     pub const GREEN: Self = Self {
@@ -83,7 +84,7 @@ impl IrisPigment {
     };
     /// Dense melanin in both layers, enough of it pheomelanin to be warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.04,
+        stroma_melanin_fraction: 0.05,
         border_layer_melanin_fraction: 0.5,
         eumelanin_ratio: 0.15,
     };

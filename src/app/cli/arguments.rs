@@ -209,7 +209,7 @@ pub(super) struct BenchArgs {
 pub(super) struct MeasureArgs {
     /// What to measure.
     #[arg(value_enum)]
-    pub(super) table: MeasureTable,
+    pub(super) table: Measured,
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
     #[arg(long, default_value = "healthy-brown", value_name = "P")]
     pub(super) patient: PathBuf,
@@ -218,12 +218,31 @@ pub(super) struct MeasureArgs {
     pub(super) out: Option<PathBuf>,
 }
 
-impl ValueEnum for MeasureTable {
+/// What can be measured: a table that is computed, or a picture that is drawn.
+#[derive(Clone, Copy)]
+pub(super) enum Measured {
+    Table(MeasureTable),
+    Looks,
+}
+
+impl ValueEnum for Measured {
     fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
+        const ALL: [Measured; MeasureTable::ALL.len() + 1] = {
+            let mut all = [Measured::Looks; MeasureTable::ALL.len() + 1];
+            let mut i = 0;
+            while i < MeasureTable::ALL.len() {
+                all[i] = Measured::Table(MeasureTable::ALL[i]);
+                i += 1;
+            }
+            all
+        };
+        &ALL
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()).help(self.description()))
+        Some(match self {
+            Self::Table(table) => PossibleValue::new(table.name()).help(table.description()),
+            Self::Looks => PossibleValue::new("looks").help(crate::lab::looks::MEANING),
+        })
     }
 }

@@ -1,8 +1,9 @@
 //! `measure`: a table into a file or onto standard output.
 
-use super::arguments::MeasureArgs;
+use super::arguments::{MeasureArgs, Measured};
 use super::sentences::{inform, say};
 use crate::anatomy::Laterality;
+use crate::lab::looks::looks;
 use crate::lab::measure::{MeasuredEye, measure};
 use crate::output_file::{WriteError, prepare_folder, write_whole};
 use crate::patients::{PatientFile, load_patient};
@@ -10,15 +11,20 @@ use std::error::Error;
 use std::path::Path;
 
 pub(super) fn measure_command(arguments: &MeasureArgs) -> Result<(), Box<dyn Error>> {
-    let eye = measured_eye(&load_patient(&arguments.patient)?);
+    let patient = load_patient(&arguments.patient)?;
+    let measured = || -> Result<(&str, String), Box<dyn Error>> {
+        Ok(match arguments.table {
+            Measured::Table(table) => (table.name(), measure(table, &measured_eye(&patient))?),
+            Measured::Looks => ("looks", serde_json::to_string_pretty(&looks(&patient)?)?),
+        })
+    };
     let Some(file) = &arguments.out else {
-        let text = measure(arguments.table, &eye)?;
-        return Ok(say(&mut std::io::stdout().lock(), &text)?);
+        return Ok(say(&mut std::io::stdout().lock(), &measured()?.1)?);
     };
     prepare_file(file)?;
-    let text = measure(arguments.table, &eye)? + "\n";
-    write_whole(file, text.as_bytes())?;
-    inform(&format!("{} in {}", arguments.table.name(), file.display()));
+    let (name, text) = measured()?;
+    write_whole(file, (text + "\n").as_bytes())?;
+    inform(&format!("{name} in {}", file.display()));
     Ok(())
 }
 

@@ -80,7 +80,7 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
         let spread = if dice.unit() < 0.72 { 0.36 } else { 1.1 };
         let angle = side + spread * dice.normal();
         let start = dice.range(55.0, 99.0);
-        let radius_mm = fullness * (0.009 + 0.045 * dice.unit() * dice.unit());
+        let radius_mm = fullness * (0.008 + 0.034 * dice.unit() * dice.unit());
         let tip = tip_at(&mut dice, angle, start, radius_mm, 75.0);
         grow_tree(&mut blood, &mut dice, tip, &habit);
     }
@@ -242,11 +242,23 @@ impl Blood {
         let peak = PI * radius_mm * radius_mm / (sigma_mm * TAU.sqrt()) * filled;
         let sigma = sigma_deg * texels_per_deg;
         let half = size as f32 * 0.5;
-        let centre = [
-            (from[0] + to[0]) * 0.5 * texels_per_deg + half - 0.5,
-            half - (from[1] + to[1]) * 0.5 * texels_per_deg - 0.5,
-        ];
-        // A row of overlapping round dabs: each carries its step's share of the line.
+        // So many round dabs a step that nobody can count them.
+        let dabs = (STEP_DEG / (0.7 * sigma_deg)).ceil().max(1.0);
+        for dab in 0..dabs as u32 {
+            let along = (dab as f32 + 0.5) / dabs;
+            let at = |k: usize| from[k] + (to[k] - from[k]) * along;
+            let centre = [
+                at(0) * texels_per_deg + half - 0.5,
+                half - at(1) * texels_per_deg - 0.5,
+            ];
+            self.dab(centre, sigma, peak / dabs, size, habit.deep);
+        }
+    }
+
+    /// One round dab of a vessel's step, at a place in texels.
+    fn dab(&mut self, centre: [f32; 2], sigma: f32, peak: f32, size: usize, deep: bool) {
+        let texels_per_deg = size as f32 / (2.0 * MAP_EDGE_DEG);
+        // Each carries its step's share of the line.
         let share = STEP_DEG * texels_per_deg / (sigma * (TAU).sqrt());
         let reach = 2.6 * sigma;
         let limit = size as f32 - 1.0;
@@ -259,7 +271,7 @@ impl Blood {
         if !(on_x && on_y) {
             return;
         }
-        let layer = if habit.deep {
+        let layer = if deep {
             &mut self.deep
         } else {
             &mut self.shallow

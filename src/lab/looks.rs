@@ -1,0 +1,470 @@
+//! How an eye looks beside photographs of eyes, for `ocularium measure looks`: numbers of rendered pixels, and the same
+//! of real pictures.
+//!
+//! In: a patient and a light. Out: one JSON object whose rows hold a quantity, what our picture has, and the middle and
+//! spread of photographs. The photographs' numbers are those of REFERENCE ("Looks": 34 macro pictures and portraits without a
+//! grey card, so that ratios are the target and colours a guide).
+
+use super::headless::{Headless, HeadlessError, Which};
+use crate::anatomy::Laterality;
+use crate::appearance::EyeOrbit;
+use crate::motion::MotionCommand;
+use crate::motion::engine::GazeCommand;
+use crate::optics::output::{linear_to_srgb, srgb_decode};
+use crate::patients::PatientFile;
+use crate::scene::catalog::{BuiltIn, LoadedScene};
+use crate::stage::Session;
+use crate::tissue::colour_difference::linear_srgb_to_lab;
+use bevy::camera::Projection;
+use bevy::math::{DVec2, DVec3, UVec2};
+use image::RgbaImage;
+use serde::Serialize;
+
+/// Pixels along a side of the picture, and the camera's distance, mm: an iris is 410 pixels wide.
+const SIDE: u32 = 1024;
+const DISTANCE_MM: f32 = 85.0;
+
+/// A quantity, here and in photographs.
+#[derive(Clone, Debug, Serialize)]
+pub struct LookRow {
+    /// What it is.
+    pub quantity: &'static str,
+    /// Its unit; `1` is a ratio.
+    pub unit: &'static str,
+    /// Of the rendered picture.
+    pub ours: f64,
+    /// The middle of photographs.
+    pub photographs: f64,
+    /// Their spread.
+    pub from: f64,
+    /// To.
+    pub to: f64,
+    /// Does ours lie within it?
+    pub within: bool,
+}
+
+/// The table.
+#[derive(Clone, Debug, Serialize)]
+pub struct Looks {
+    table: &'static str,
+    version: &'static str,
+    meaning: &'static str,
+    source: &'static str,
+    notes: &'static [&'static str],
+    patient: String,
+    light: &'static str,
+    /// Mean of the iris's ring, sRGB codes.
+    iris_srgb: [f64; 3],
+    /// Median of the white between limbus and corner, sRGB codes.
+    sclera_srgb: [f64; 3],
+    /// The quantities.
+    pub rows: Vec<LookRow>,
+}
+
+/// What it holds.
+pub const MEANING: &str = "How the patient's eye looks beside photographs of eyes: colours, brightnesses and widths of rendered \
+                           pixels, and the middle and spread of 34 photographs";
+
+/// A picture in linear light about a pupil.
+struct Picture {
+    size: u32,
+    linear: Vec<DVec3>,
+    center: DVec2,
+    pupil_px: f64,
+    /// Radius of the limbus, pixels.
+    limbus_px: f64,
+    /// +1 where the nose is to the right of the picture.
+    nose: f64,
+}
+
+fn luminance(c: DVec3) -> f64 {
+    c.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+impl Picture {
+    fn new(picture: &RgbaImage, limbus_px: f64, nose: f64) -> Self {
+        let size = picture.width();
+        let decode = |code: u8| srgb_decode(f64::from(code) / 255.0);
+        let pixels = picture.pixels();
+        let linear: Vec<DVec3> = pixels
+            .map(|p| DVec3::new(decode(p.0[0]), decode(p.0[1]), decode(p.0[2])))
+            .collect();
+        // The pupil: what is dark around the middle.
+        let middle = DVec2::splat(f64::from(size) * 0.5);
+        let (mut sum, mut count) = (DVec2::ZERO, 0.0);
+        for (i, c) in linear.iter().enumerate() {
+            let at = place(i, size);
+            if at.distance(middle) < 0.45 * limbus_px && luminance(*c) < 0.02 {
+                sum += at;
+                count += 1.0;
+            }
+        }
+        Self {
+            size,
+            linear,
+            center: if count > 0.0 { sum / count } else { middle },
+            pupil_px: f64::sqrt(count / core::f64::consts::PI),
+            limbus_px,
+            nose,
+        }
+    }
+
+    /// Linear light where `chosen` takes a place: radius over the limbus's, angle (rad) from the nose's side, downwards.
+    fn where_is(&self, chosen: impl Fn(f64, f64) -> bool) -> Vec<DVec3> {
+        let all = self.linear.iter().enumerate();
+        all.filter(|(i, _)| {
+            let off = place(*i, self.size) - self.center;
+            let radius = off.length() / self.limbus_px;
+            chosen(radius, off.y.atan2(self.nose * off.x))
+        })
+        .map(|(_, c)| *c)
+        .collect()
+    }
+
+    /// Median colour of a round patch at (towards the nose, down) limbus radii.
+    fn patch(&self, nasal: f64, down: f64, radius: f64) -> DVec3 {
+        let at = DVec2::new(nasal, down);
+        let own = self
+            .where_is(|r, angle| at.distance(r * DVec2::new(angle.cos(), angle.sin())) < radius);
+        let channel = |k: usize| median(own.iter().map(|c| c[k]).collect());
+        DVec3::new(channel(0), channel(1), channel(2))
+    }
+
+    /// Mean luminance by radius (limbus radii) on both sides, in steps of a hundredth from 0.7 to 1.4.
+    fn profile(&self) -> Vec<(f64, f64)> {
+        (0..70)
+            .map(|step| {
+                let from = 0.7 + 0.01 * f64::from(step);
+                let ring = self.where_is(|r, angle| {
+                    (from..from + 0.01).contains(&r)
+                        && angle.sin().abs() < 0.3
+                        && angle.sin() > -0.1
+                });
+                (
+                    from + 0.005,
+                    median(ring.iter().map(|c| luminance(*c)).collect()),
+                )
+            })
+            .collect()
+    }
+}
+
+fn place(index: usize, size: u32) -> DVec2 {
+    let [x, y] = [index as u32 % size, index as u32 / size];
+    DVec2::new(f64::from(x), f64::from(y)) + 0.5
+}
+
+/// 10 to 90 % of the step of luminance from iris to white, in limbus radii.
+fn limbal_width(profile: &[(f64, f64)]) -> f64 {
+    let darkest = (0..35).min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1));
+    let from = &profile[darkest.unwrap_or(0)..];
+    let dark = from.first().map_or(0.0, |p| p.1);
+    let white = from
+        .iter()
+        .filter(|p| p.0 < 1.3)
+        .map(|p| p.1)
+        .fold(0.0, f64::max);
+    let crossing = |share: f64| {
+        let level = dark + share * (white - dark);
+        from.iter().find(|p| p.1 >= level).map_or(0.0, |p| p.0)
+    };
+    crossing(0.9) - crossing(0.1)
+}
+
+/// Dips of green along arcs of the white on both sides: how many an iris diameter of arc, and their median depth.
+fn vessels(picture: &Picture) -> (f64, f64) {
+    let (mut depths, mut length) = (Vec::new(), 0.0);
+    for radius in [1.35, 1.5] {
+        for side in [0.0, core::f64::consts::PI] {
+            let steps = 240;
+            let green: Vec<f64> = (0..steps)
+                .map(|i| {
+                    let angle = side + 0.45 * (2.0 * f64::from(i) / f64::from(steps) - 1.0);
+                    let at = picture.center
+                        + radius
+                            * picture.limbus_px
+                            * DVec2::new(picture.nose * angle.cos(), angle.sin());
+                    let index = at.y as usize * picture.size as usize + at.x as usize;
+                    picture.linear.get(index).map_or(0.0, |c| c.y)
+                })
+                .collect();
+            length += 0.9 * radius / 2.0;
+            // What is darker than both sides of it, a fiftieth of an iris away.
+            let step = (0.02 * 2.0 / (0.9 * radius / f64::from(steps))) as usize;
+            let mut i = step;
+            while i + step < green.len() {
+                let around = 0.5 * (green[i - step] + green[i + step]);
+                let part = green[i - step..=i + step].iter().copied();
+                if green[i] == part.fold(f64::MAX, f64::min) && green[i] < 0.96 * around {
+                    depths.push(1.0 - green[i] / around);
+                    // A dip counts once.
+                    i += step;
+                }
+                i += 1;
+            }
+        }
+    }
+    (depths.len() as f64 / length, median(depths))
+}
+
+fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
+    let row = |quantity, unit, ours: f64, photographs, (from, to): (f64, f64)| LookRow {
+        quantity,
+        unit,
+        ours,
+        photographs,
+        from,
+        to,
+        within: (from..=to).contains(&ours),
+    };
+    let pupil_share = picture.pupil_px / picture.limbus_px;
+    // Below the middle, where neither lids nor lamps are.
+    let below = |angle: f64| (0.45..2.7).contains(&angle);
+    let ring = picture.where_is(|r, angle| r > 1.15 * pupil_share && r < 0.85 && below(angle));
+    let mean = |all: &[DVec3]| all.iter().sum::<DVec3>() / all.len().max(1) as f64;
+    let iris = mean(&ring);
+    let lightness: Vec<f64> = ring
+        .iter()
+        .map(|c| linear_srgb_to_lab(c.to_array())[0])
+        .collect();
+    let count = lightness.len().max(1) as f64;
+    let middle = lightness.iter().sum::<f64>() / count;
+    let deviation = f64::sqrt(lightness.iter().map(|l| (l - middle).powi(2)).sum::<f64>() / count);
+    let within = |from: f64, to: f64| {
+        // Aside, below the lamps, where no lid covers it.
+        let aside = |angle: f64| angle.sin() > 0.05 && angle.sin() < 0.5;
+        let part = picture.where_is(|r, angle| (from..to).contains(&r) && aside(angle));
+        luminance(mean(&part))
+    };
+    let sclera = 0.5 * (picture.patch(1.3, 0.1, 0.07) + picture.patch(-1.3, 0.1, 0.07));
+    let corner = picture.patch(1.75, 0.0, 0.08);
+    let skin = picture.patch(0.0, 1.75, 0.15);
+    let lab = |c: DVec3| linear_srgb_to_lab(c.to_array());
+    let lamps = picture.where_is(|r, _| r < 1.0).into_iter();
+    let lit = lamps.filter(|c| luminance(*c) > 0.75).count() as f64;
+    let area = core::f64::consts::PI * picture.limbus_px.powi(2);
+    let (crossings, contrast) = vessels(picture);
+    let pupil = luminance(picture.patch(0.0, 0.0, 0.5 * pupil_share));
+    let rows = vec![
+        row(
+            "iris, standard deviation of L*",
+            "L*",
+            deviation,
+            6.5,
+            (4.4, 12.7),
+        ),
+        row(
+            "iris Y against the white's",
+            "1",
+            luminance(iris) / luminance(sclera),
+            0.21,
+            (0.03, 0.6),
+        ),
+        row(
+            "outer iris 0.88 to 0.97 R against mid-iris, Y",
+            "1",
+            within(0.88, 0.97) / within(0.5, 0.75),
+            0.9,
+            (0.15, 4.8),
+        ),
+        row(
+            "limbus, 10 to 90 % of the step",
+            "R",
+            limbal_width(&picture.profile()),
+            0.123,
+            (0.104, 0.158),
+        ),
+        row(
+            "white, red over green (linear)",
+            "1",
+            sclera.x / sclera.y,
+            1.20,
+            (1.05, 1.35),
+        ),
+        row(
+            "white, blue over red (linear)",
+            "1",
+            sclera.z / sclera.x,
+            0.67,
+            (0.58, 0.85),
+        ),
+        row(
+            "white Y against the skin's",
+            "1",
+            luminance(sclera) / luminance(skin),
+            1.06,
+            (0.3, 2.5),
+        ),
+        row(
+            "white, less red than the skin (a)",
+            "a",
+            lab(skin)[1] - lab(sclera)[1],
+            14.0,
+            (2.0, 24.0),
+        ),
+        row(
+            "white, less yellow than the skin (b)",
+            "b",
+            lab(skin)[2] - lab(sclera)[2],
+            11.0,
+            (-9.0, 23.0),
+        ),
+        row(
+            "white near the inner corner, Y against its middle",
+            "1",
+            luminance(corner) / luminance(sclera),
+            0.67,
+            (0.14, 0.81),
+        ),
+        row(
+            "white near the inner corner, redder (a)",
+            "a",
+            lab(corner)[1] - lab(sclera)[1],
+            11.0,
+            (-1.0, 20.0),
+        ),
+        row(
+            "vessels that cross an arc",
+            "per D",
+            crossings,
+            11.0,
+            (4.0, 18.0),
+        ),
+        row("vessels, loss of green", "1", contrast, 0.10, (0.05, 0.36)),
+        row("pupil, Y", "1", pupil, 0.009, (0.0, 0.043)),
+        row("pupil over iris", "1", pupil_share, 0.29, (0.19, 0.47)),
+        row(
+            "catch-lights, equivalent diameter",
+            "D",
+            f64::sqrt(lit / area),
+            0.095,
+            (0.036, 0.15),
+        ),
+    ];
+    ([iris, sclera], rows)
+}
+
+/// Renders the patient's eye from the front in a window's light and measures it.
+///
+/// # Errors
+/// Without a device, or where its picture cannot be made.
+pub fn looks(patient: &PatientFile) -> Result<Looks, HeadlessError> {
+    super::headless::require_device()?;
+    let scene = BuiltIn::Chart.build();
+    let scene = scene.map_err(|error| HeadlessError::ReadBack(error.to_string()))?;
+    let scene = LoadedScene::Model(Box::new(scene));
+    let mut file = patient.clone();
+    // What is shown is the middle of the cornea.
+    file.angle_alpha_deg = [0.0, 0.0];
+    let light = crate::stage::PanelLight::default();
+    let session = Session {
+        light,
+        ..Session::new(file, scene, 1)
+    };
+    let mut headless = Headless::new(
+        session,
+        [UVec2::splat(SIDE), UVec2::splat(16)],
+        [true, false],
+    )?;
+    headless.set_orbit(EyeOrbit {
+        azimuth_deg: 0.0,
+        elevation_deg: 0.0,
+        distance_mm: DISTANCE_MM,
+    });
+    headless
+        .world()
+        .write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+            azimuth_rad: 0.0,
+            elevation_rad: 0.0,
+            distance_m: 1000.0,
+        }));
+    headless.go_to(0.05);
+    headless.go_to(0.5);
+    let drawn = headless.panel(Which::Eye)?;
+    let camera = headless.stage().eye;
+    let fov = match headless.world().get::<Projection>(camera) {
+        Some(Projection::Perspective(own)) => f64::from(own.fov),
+        _ => 0.5,
+    };
+    let px_per_mm = f64::from(SIDE) / (2.0 * (0.5 * fov).tan() * f64::from(DISTANCE_MM));
+    // A right eye's nose is to the right of who looks at it.
+    let nose = if patient.eye == Laterality::OD {
+        1.0
+    } else {
+        -1.0
+    };
+    let picture = Picture::new(&drawn, patient.limbus_radius_mm * px_per_mm, nose);
+    let ([iris, sclera], rows) = rows(&picture);
+    let codes = |c: DVec3| (linear_to_srgb(c) * 255.0).to_array().map(f64::round);
+    Ok(Looks {
+        table: "looks",
+        version: env!("CARGO_PKG_VERSION"),
+        meaning: MEANING,
+        source: "34 photographs of eyes, light to deep brown skin, 20 to 80 years",
+        notes: &[
+            "R and D are radius and diameter of the limbus. Photographs had no grey card: ratios are the target, colours a guide.",
+            "Their means: iris sRGB 90 91 89 (blue-grey), 80 89 74 and 94 113 89 (green), 102 64 41 (hazel), 91 62 52 (brown), \
+             45 31 25 (dark); white 202 186 169.",
+            "white, red over green and blue over red: spread of the neutral ones among them; iris Y: from dark to pale eyes.",
+            "Not measured here: lids, lashes and skin; how far lids cover the iris.",
+        ],
+        patient: patient.name.clone(),
+        light: light.name(),
+        iris_srgb: codes(iris),
+        sclera_srgb: codes(sclera),
+        rows,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgba;
+
+    /// A drawn eye: grey pupil, iris and white of known sizes, with a soft limbus and vessels.
+    fn drawn(limbus_px: f64, soft: f64, vessels: u32) -> RgbaImage {
+        RgbaImage::from_fn(512, 512, |x, y| {
+            let off = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - 256.0;
+            let r = off.length() / limbus_px;
+            let t = ((r - 1.0) / soft + 0.5).clamp(0.0, 1.0);
+            let mut v = 0.1 + 0.4 * t;
+            if r < 0.3 {
+                v = 0.005;
+            }
+            let angle = off.y.atan2(off.x);
+            let wave = (angle * f64::from(vessels)).sin();
+            let blood = if r > 1.2 && wave > 0.96 { 0.8 } else { 1.0 };
+            let c = linear_to_srgb(DVec3::new(v, v * blood, v)) * 255.0;
+            Rgba([c.x.round() as u8, c.y.round() as u8, c.z.round() as u8, 255])
+        })
+    }
+
+    #[test]
+    fn what_is_drawn_is_what_is_measured() {
+        let picture = Picture::new(&drawn(120.0, 0.2, 40), 120.0, 1.0);
+        assert!(picture.center.distance(DVec2::splat(256.0)) < 0.5);
+        assert!((picture.pupil_px / 36.0 - 1.0).abs() < 0.02);
+        // 10 to 90 % of a linear step 0.2 wide.
+        let width = limbal_width(&picture.profile());
+        assert!((width - 0.16).abs() < 0.021, "{width}");
+        let sharp = Picture::new(&drawn(120.0, 0.05, 40), 120.0, 1.0);
+        assert!(limbal_width(&sharp.profile()) < 0.07);
+        let (crossings, contrast) = super::vessels(&picture);
+        // 40 a turn: 40/2π a radian, of a radius of half a diameter times 1.35 and 1.5.
+        let expected = 40.0 / core::f64::consts::TAU * 2.0 / 1.425;
+        assert!(
+            (crossings / expected - 1.0).abs() < 0.15,
+            "{crossings} {expected}"
+        );
+        assert!((contrast - 0.2).abs() < 0.03, "{contrast}");
+        assert_eq!(
+            super::vessels(&Picture::new(&drawn(120.0, 0.2, 0), 120.0, 1.0)).0,
+            0.0
+        );
+    }
+}
