@@ -16,7 +16,7 @@ fn opened() -> Headless {
     let file = PatientFile {
         age_years: 60.0,
         pupil: PupilSetting::Fixed(7.0),
-        ..patient("healthy-brown")
+        ..patient("healthy-blue")
     };
     let mut headless = open(
         session(file, 3),

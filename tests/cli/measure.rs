@@ -114,8 +114,8 @@ fn a_patient_acts_where_the_help_says_so() {
         pupil_nasal_mm: 0.3,
         pupil_superior_mm: 0.1,
         stroma_melanin_fraction: 0.0004,
-        border_layer_melanin_fraction: 0.002,
-        eumelanin_ratio: 0.9,
+        border_layer_melanin_fraction: 0.02,
+        eumelanin_ratio: 0.1,
         glare_pigment: 1.2,
         lipid_thickness_nm: 90.0,
         ..MeasuredEye::default()
