@@ -151,7 +151,11 @@ impl ScleraMap {
             .map(|index| {
                 let (column, row) = (index % fine, index / fine);
                 let fold = slow.at(column, row)[1];
-                let lump = settings.pinguecula * pinguecula(&settings, place_of(column, row, fine));
+                let lump = if settings.pinguecula > 0.0 {
+                    settings.pinguecula * pinguecula(&settings, place_of(column, row, fine))
+                } else {
+                    0.0
+                };
                 [
                     blood.shallow[index],
                     bilinear(&blood.deep, coarse, column, row),

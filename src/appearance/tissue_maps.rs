@@ -127,7 +127,7 @@ pub(super) fn sclera_images(anatomy: &Anatomy<'_>, fine: bool) -> [Image; 2] {
             pinguecula: anatomy.sclera.pinguecula as f32,
             nasal_sign: -side(eye.laterality),
         },
-        if fine { 2048 } else { 1024 },
+        if fine { 2048 } else { 512 },
     );
     [map.levels(), map.vessel_levels()].map(|levels| map_image(&levels, false))
 }

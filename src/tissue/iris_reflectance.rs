@@ -388,54 +388,66 @@ pub const IRIS_TABLE: [usize; 2] = [64, 32];
 impl IrisReflectanceTable {
     /// Computes the table of [`iris_reflectance`]; a size of 0 counts as 1.
     pub fn new(pigment: &IrisPigment, width: usize, height: usize) -> Self {
-        Self::stacked(
+        let [rgb] = Self::stacked(
             pigment,
             width,
             height,
             border_layer,
             stroma,
-            |above, below| over_black(*above, *below),
-        )
+            |above, below| [over_black(*above, *below)],
+        );
+        Self {
+            rgb,
+            width: width.max(1),
+            height: height.max(1),
+        }
     }
 
     /// Computes the table of [`iris_reflectance_many_flux`]; a size of 0 counts as 1.
     pub fn many_flux(pigment: &IrisPigment, width: usize, height: usize) -> Self {
-        Self::stacked(
+        let [rgb] = Self::stacked(
             pigment,
             width,
             height,
             many_flux_border_layer,
             many_flux_stroma,
-            LayerFlux::reflectance_over,
-        )
+            |above, below| [above.reflectance_over(below)],
+        );
+        Self {
+            rgb,
+            width: width.max(1),
+            height: height.max(1),
+        }
     }
 
     /// Computes the tables of [`iris_reflectance_seen`]: of all light, and of what is scattered more than once. A size of 0
     /// counts as 1.
     pub fn seen(pigment: &IrisPigment, width: usize, height: usize) -> [Self; 2] {
-        let table = |which: usize| {
-            Self::stacked(
-                pigment,
-                width,
-                height,
-                SeenLayer::border,
-                SeenLayer::stroma,
-                move |above, below| above.over(below)[which],
-            )
-        };
-        [table(0), table(1)]
+        let stacked = Self::stacked(
+            pigment,
+            width,
+            height,
+            SeenLayer::border,
+            SeenLayer::stroma,
+            SeenLayer::over,
+        );
+        stacked.map(|rgb| Self {
+            rgb,
+            width: width.max(1),
+            height: height.max(1),
+        })
     }
 
     /// The stroma does not depend on the row nor the border layer on the column: what costs is
     /// computed once for each column and each row, and a texel only stacks the two.
-    fn stacked<L>(
+    fn stacked<L, const K: usize>(
         pigment: &IrisPigment,
         width: usize,
         height: usize,
         border_layer: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
         stroma: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
-        over_black: impl Fn(&L, &L) -> f64,
-    ) -> Self {
+        over_black: impl Fn(&L, &L) -> [f64; K],
+    ) -> [Vec<[f64; 3]>; K] {
         let (width, height) = (width.max(1), height.max(1));
         let pigment = pigment.clamped();
         let stromas: Vec<[L; IRIS_WAVELENGTHS]> = (0..width)
@@ -444,19 +456,22 @@ impl IrisReflectanceTable {
                 AT.1.each_ref().map(|tissue| stroma(&pigment, path, tissue))
             })
             .collect();
-        let mut rgb = Vec::with_capacity(width * height);
+        let mut rgb: [Vec<[f64; 3]>; K] =
+            core::array::from_fn(|_| Vec::with_capacity(width * height));
         for row in 0..height {
             let density = (row as f64 + 0.5) / height as f64;
             let border =
                 AT.1.each_ref()
                     .map(|tissue| border_layer(&pigment, density, tissue));
-            rgb.extend(stromas.iter().map(|stroma| {
-                colour(&core::array::from_fn(|i| {
-                    over_black(&border[i], &stroma[i])
-                }))
-            }));
+            for stroma in &stromas {
+                let found: [[f64; K]; IRIS_WAVELENGTHS] =
+                    core::array::from_fn(|i| over_black(&border[i], &stroma[i]));
+                for (k, rgb) in rgb.iter_mut().enumerate() {
+                    rgb.push(colour(&found.map(|one| one[k])));
+                }
+            }
         }
-        Self { rgb, width, height }
+        rgb
     }
 
     /// Linear sRGB reflectances, row after row.
