@@ -51,6 +51,57 @@ pub struct Tree {
     nodes: Vec<Node>,
 }
 
+/// The way from a place to a light that shines on it, unless something is in it.
+struct Ray {
+    towards: Vec3,
+    length_m: f32,
+    color: Vec3,
+    /// Illuminance of a surface that faces the light, lx.
+    lux: f32,
+    shadows: bool,
+    is_sun: bool,
+}
+
+impl Ray {
+    fn to(light: &SceneLight, place: Vec3) -> Option<Self> {
+        match *light {
+            SceneLight::Ambient { .. } => None,
+            SceneLight::Directional {
+                direction,
+                color,
+                illuminance_lux,
+                shadows,
+            } => Some(Self {
+                towards: -Vec3::from(direction),
+                length_m: 1e4,
+                color: color.into(),
+                lux: illuminance_lux,
+                shadows,
+                is_sun: true,
+            }),
+            SceneLight::Point {
+                position,
+                color,
+                intensity_lm,
+                range,
+                shadows,
+            } => {
+                let offset = Vec3::from(position) - place;
+                let distance = offset.length().max(1e-3);
+                let candela = intensity_lm / (4.0 * PI);
+                (distance < range).then(|| Self {
+                    towards: offset / distance,
+                    length_m: distance,
+                    color: color.into(),
+                    lux: candela / (distance * distance),
+                    shadows,
+                    is_sun: false,
+                })
+            }
+        }
+    }
+}
+
 /// A scene prepared for rays.
 #[derive(Debug)]
 pub struct Tracer<'a> {
@@ -218,96 +269,37 @@ impl<'a> Tracer<'a> {
 
     /// Luminance of a white matt surface at a point, linear sRGB in cd/m².
     fn arriving(&self, point: Vec3, normal: Vec3) -> [f32; 3] {
-        let mut sum = Vec3::ZERO;
-        for light in &self.scene.lights {
-            sum += match *light {
-                SceneLight::Ambient { color, brightness } => Vec3::from(color) * brightness,
-                SceneLight::Directional {
-                    direction,
-                    color,
-                    illuminance_lux,
-                    shadows,
-                } => {
-                    let to_light = -Vec3::from(direction);
-                    let lit = !shadows || self.cast(point, to_light, 1e-4, 1e4).is_none();
-                    let cosine = if lit {
-                        normal.dot(to_light).max(0.0)
+        let lights = self.scene.lights.iter();
+        let sum: Vec3 = lights
+            .map(|light| match (*light, Ray::to(light, point)) {
+                (SceneLight::Ambient { color, brightness }, _) => Vec3::from(color) * brightness,
+                (_, Some(ray)) => {
+                    let cosine = normal.dot(ray.towards);
+                    // What faces away needs no ray for its shadow.
+                    if cosine > 0.0 && self.is_free(point, &ray) {
+                        ray.color * (ray.lux * cosine / PI)
                     } else {
-                        0.0
-                    };
-                    Vec3::from(color) * (illuminance_lux * cosine / PI)
+                        Vec3::ZERO
+                    }
                 }
-                SceneLight::Point {
-                    position,
-                    color,
-                    intensity_lm,
-                    range,
-                    shadows,
-                } => {
-                    let offset = Vec3::from(position) - point;
-                    let distance = offset.length().max(1e-3);
-                    let to_light = offset / distance;
-                    let lit = distance < range
-                        && (!shadows || self.cast(point, to_light, 1e-4, distance).is_none());
-                    let cosine = if lit {
-                        normal.dot(to_light).max(0.0)
-                    } else {
-                        0.0
-                    };
-                    let candela = intensity_lm / (4.0 * PI);
-                    Vec3::from(color) * (candela * cosine / (distance * distance) / PI)
-                }
-            };
-        }
+                _ => Vec3::ZERO,
+            })
+            .sum();
         sum.into()
+    }
+
+    fn is_free(&self, place: Vec3, ray: &Ray) -> bool {
+        !ray.shadows || self.cast(place, ray.towards, 1e-4, ray.length_m).is_none()
     }
 
     /// The scene's own lights that reach a place: towards it (unit), and the luminance that a white matt surface facing it
     /// has, linear sRGB in cd/m²; and whether it is a sun.
-    pub fn lights_at(&self, place: Vec3) -> Vec<(Vec3, Vec3, bool)> {
-        let seen = |to_light: Vec3, distance: f32, shadows: bool| {
-            !shadows || self.cast(place, to_light, 1e-3, distance).is_none()
-        };
-        let lights = self.scene.lights.iter().filter_map(|light| match *light {
-            SceneLight::Ambient { .. } => None,
-            SceneLight::Directional {
-                direction,
-                color,
-                illuminance_lux,
-                shadows,
-            } => {
-                let to_light = -Vec3::from(direction);
-                let color = Vec3::from(color) * (illuminance_lux / PI);
-                seen(to_light, 1e4, shadows).then_some((to_light, color, true))
-            }
-            SceneLight::Point {
-                position,
-                color,
-                intensity_lm,
-                range,
-                shadows,
-            } => {
-                let offset = Vec3::from(position) - place;
-                let distance = offset.length().max(1e-2);
-                let to_light = offset / distance;
-                let candela = intensity_lm / (4.0 * PI);
-                let color = Vec3::from(color) * (candela / (distance * distance) / PI);
-                (distance < range && seen(to_light, distance, shadows))
-                    .then_some((to_light, color, false))
-            }
-        });
-        lights.collect()
-    }
-
-    /// Light from everywhere of the scene, cd/m², linear sRGB.
-    pub fn ambient(&self) -> Vec3 {
+    pub fn lights_at(&self, place: Vec3) -> impl Iterator<Item = (Vec3, Vec3, bool)> + '_ {
         let lights = self.scene.lights.iter();
         lights
-            .filter_map(|light| match light {
-                SceneLight::Ambient { color, brightness } => Some(Vec3::from(*color) * *brightness),
-                _ => None,
-            })
-            .sum()
+            .filter_map(move |light| Ray::to(light, place))
+            .filter(move |ray| self.is_free(place, ray))
+            .map(|ray| (ray.towards, ray.color * (ray.lux / PI), ray.is_sun))
     }
 
     /// Mean luminance of the view from the scene's eye, cd/m², over `side × side` directions that

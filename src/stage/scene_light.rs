@@ -12,6 +12,7 @@ use crate::appearance::studio::face_exposure;
 use crate::appearance::surroundings::Surroundings;
 use crate::appearance::{EyeLight, EyeModel, EyeSurroundings, Lamp};
 use crate::frame::SimulationClock;
+use crate::optics::output::srgb_decode;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::photo::{PhotoScene, WHITE_CD_M2};
 use crate::scene::trace::{Tracer, Tree};
@@ -147,7 +148,7 @@ fn surroundings(
                 Vec3::from(tracer.radiance(head.translation, ray)).as_dvec3()
             };
             let back = head.rotation.inverse();
-            let lamps = tracer.lights_at(head.translation).into_iter();
+            let lamps = tracer.lights_at(head.translation);
             let lamps = lamps.map(|(towards, color, is_sun)| Lamp {
                 direction: back * towards,
                 radius: if is_sun { SUN_RAD } else { 0.02 },
@@ -211,13 +212,7 @@ fn photo_around(photo: &PhotoScene) -> impl Fn(DVec3) -> DVec3 + '_ {
         let index = (place.y as usize).min(photo.height as usize - 1) * photo.width as usize
             + (place.x as usize).min(photo.width as usize - 1);
         let channel = |k: usize| {
-            let encoded = f64::from(photo.rgb16_srgb[3 * index + k]) / 65_535.0;
-            let linear = if encoded <= 0.040_45 {
-                encoded / 12.92
-            } else {
-                ((encoded + 0.055) / 1.055).powf(2.4)
-            };
-            linear * WHITE_CD_M2
+            srgb_decode(f64::from(photo.rgb16_srgb[3 * index + k]) / 65_535.0) * WHITE_CD_M2
         };
         DVec3::new(channel(0), channel(1), channel(2))
     }
@@ -241,7 +236,7 @@ fn falling_on(tracer: &Tracer<'_>, head: &Transform) -> f64 {
     }
     let around = sum / f64::from(RINGS * TURNS);
     let facing = head.rotation * Vec3::NEG_Z;
-    let lamps = tracer.lights_at(head.translation).into_iter();
+    let lamps = tracer.lights_at(head.translation);
     let lamps = lamps.map(|(towards, color, _)| {
         luminance(color.as_dvec3()) * f64::from(towards.dot(facing).max(0.0))
     });
