@@ -1,6 +1,7 @@
 //! The blur that is drawn, read from the panel of the running app: across depth edges against the
 //! f64 reference, and of a star against optics.
 
+mod astigmatism;
 mod edges;
 mod stars;
 
@@ -10,9 +11,10 @@ use bevy::math::UVec2;
 use half::f16;
 use image::{DynamicImage, GrayImage, Luma, RgbaImage};
 use ocularium::lab::headless::{Headless, Which};
+use ocularium::optics::defocus::{PowerVector, astigmatic_blur};
 use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::percept::gather::{
-    View, angle_between, combined_blur, neural_blur, reference_gather, view_ray,
+    Elongated, View, angle_between, combined_blur, neural_blur, reference_gather, view_ray,
 };
 use ocularium::percept::gpu_data::PerceptUniform;
 use ocularium::scene::model::srgb_to_linear;
@@ -67,8 +69,9 @@ impl Photograph {
         self.near.pixels().map(near).collect()
     }
 
-    /// Blur (pixels) of every pixel for an eye that is focused on infinity but for its refraction.
-    fn blur_px(&self, eye: Eye) -> Vec<f32> {
+    /// Blur (pixels) of every pixel for an eye that is focused on infinity but for its refraction, and its
+    /// elongation.
+    fn blur_px(&self, eye: Eye) -> (Vec<f32>, Vec<f32>) {
         let healthy = PerceptUniform::default();
         let (floor, e2) = (
             f64::from(healthy.neural_floor_rad),
@@ -80,10 +83,17 @@ impl Photograph {
             let place = [index as u32 % SIDE, index as u32 / SIDE].map(|i| f64::from(i) + 0.5);
             let ray = view_ray(place, [f64::from(SIDE); 2], [half; 2]);
             let neural = neural_blur(angle_between(ray, [0.0, 0.0, -1.0]), floor, e2);
-            let defocus = eye.pupil_mm * 1e-3 * (f64::from(vergence) + eye.sphere_d).abs();
-            (combined_blur(defocus, neural) * PIXELS_PER_RADIAN) as f32
+            let error = eye.refraction().plus_sphere(vergence.into());
+            let (pupil, astigmatism) = (eye.pupil_mm * 1e-3, error.astigmatism_d());
+            let [defocus, elongation] = astigmatic_blur(pupil, error.m_d, astigmatism);
+            let all = combined_blur(defocus, neural);
+            let share = (defocus / all).powi(2);
+            (
+                (all * PIXELS_PER_RADIAN) as f32,
+                (share * elongation) as f32,
+            )
         });
-        blur.collect()
+        blur.unzip()
     }
 
     /// The linear radiance that the reference sees.
@@ -91,12 +101,21 @@ impl Photograph {
         // The view is kept in half floats.
         let stored = |v: f64| [f16::from_f64(v).to_f32(); 3];
         let radiance: Vec<[f32; 3]> = self.linear().into_iter().map(stored).collect();
+        let (blur_px, elongation) = self.blur_px(eye);
+        let axis_rad = -0.5 * {
+            let seen = eye.refraction().in_view();
+            seen.j45_d.atan2(seen.j0_d)
+        };
         let seen = reference_gather(&View {
             width: SIDE as usize,
             height: SIDE as usize,
             radiance: &radiance,
             vergence_d: &self.vergence_d(),
-            blur_px: &self.blur_px(eye),
+            blur_px: &blur_px,
+            astigmatism: (eye.cylinder_d != 0.0).then_some(Elongated {
+                elongation: &elongation,
+                axis_rad,
+            }),
         });
         seen.into_iter().map(|rgb| rgb[1]).collect()
     }
@@ -118,13 +137,29 @@ fn linear(code: u8) -> f64 {
 struct Eye {
     pupil_mm: f64,
     sphere_d: f64,
+    cylinder_d: f64,
+    axis_deg: f64,
 }
 
+const NEUTRAL: Eye = Eye {
+    pupil_mm: 4.0,
+    sphere_d: 0.0,
+    cylinder_d: 0.0,
+    axis_deg: 0.0,
+};
+
 impl Eye {
+    fn refraction(self) -> PowerVector {
+        let axis = self.axis_deg.to_radians();
+        PowerVector::from_sphere_cylinder(self.sphere_d, self.cylinder_d, axis)
+    }
+
     fn file(self) -> PatientFile {
         PatientFile {
             pupil: PupilSetting::Fixed(self.pupil_mm),
             sphere_d: self.sphere_d,
+            cylinder_d: self.cylinder_d,
+            axis_deg: self.axis_deg,
             accommodation_amplitude_d: Some(0.0),
             blur_cap_arcmin: 600.0,
             ..patient("healthy-brown")

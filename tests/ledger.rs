@@ -21,7 +21,7 @@ const VERTEX_BYTES: u64 = 48;
 const EYE_BYTES: u64 = 16 << 10;
 
 /// What an eye may have that a healthy one has not, as the shaders are told.
-const EFFECTS: [&str; 2] = ["FIELD_LOSS", "MEDIA"];
+const EFFECTS: [&str; 3] = ["FIELD_LOSS", "MEDIA", "ASTIGMATISM"];
 
 /// A running app and its time.
 struct Run {
@@ -248,7 +248,7 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
         "{healthy:?}"
     );
 
-    let mut change = |name: &str| {
+    let change = |run: &mut Run, name: &str| {
         let command = SessionCommand::Patient(Box::new(patient(name)));
         run.headless.command(command);
         run.headless.go_to(0.0);
@@ -256,16 +256,16 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
         run.time_s = 0.0;
         run.play()
     };
-    let work = change("glaucoma-moderate");
+    let work = change(run, "glaucoma-moderate");
     assert!(work.field_loss_passes > 0, "{work:?}");
     assert_eq!(
         work.field_loss_passes, work.view_passes,
         "every picture shows the loss"
     );
-    let work = change("healthy-blue");
+    let work = change(run, "healthy-blue");
     assert!(work.view_passes > 0, "{work:?}");
     assert_eq!(work.field_loss_passes, 0, "the next patient is healthy");
-    let clouded = change("cataract-nuclear");
+    let clouded = change(run, "cataract-nuclear");
     assert_eq!(
         clouded.veil_passes, 0,
         "a still view has its veil: {clouded:?}"
@@ -274,7 +274,7 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
         clouded.view_passes > 1 && clouded.field_loss_passes == 0,
         "{clouded:?}"
     );
-    let work = change("healthy-green");
+    let work = change(run, "healthy-green");
     assert_eq!(
         (work.veil_passes, work.field_loss_passes),
         (0, 0),
@@ -282,11 +282,19 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
     );
     assert_eq!(run.headless.work().veil_passes, 1, "one veil for one view");
     let keys = run.forms();
+    assert!(
+        !keys.contains(&form("present", &["ASTIGMATISM"])),
+        "{keys:?}"
+    );
+    change(run, "astigmat");
+    let keys = run.forms();
     for pass in ["update_field", "read_blur", "present"] {
-        assert!(
-            keys.contains(&form(pass, &["FIELD_LOSS"])),
-            "{pass:?} in {keys:?}"
-        );
+        for effect in ["FIELD_LOSS", "ASTIGMATISM"] {
+            assert!(
+                keys.contains(&form(pass, &[effect])),
+                "{pass:?} in {keys:?}"
+            );
+        }
     }
     assert!(keys.contains(&form("present", &["MEDIA"])), "{keys:?}");
     // Passes that do not know an effect have one form.

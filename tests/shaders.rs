@@ -170,8 +170,8 @@ fn the_validation_can_fail() {
 }
 
 /// Library files, and single functions, that no shader of the app calls yet: light that a shader solves
-/// itself, layers of tissue, glare, and blur that has a direction.
-const WAITING: [&str; 12] = [
+/// itself, layers of tissue, and glare.
+const WAITING: [&str; 10] = [
     "caustic",
     "fermat",
     "glare",
@@ -182,8 +182,6 @@ const WAITING: [&str; 12] = [
     "sample_henyey_greenstein",
     "sample_henyey_greenstein_versine",
     "sample_rayleigh",
-    "defocus_blur_covariance",
-    "defocus_blur_ellipse",
 ];
 
 /// Functions of a text, each with its own part of it, and comments left out.

@@ -3,7 +3,7 @@
 use crate::people::{SIDE, seen, world};
 use crate::stage::{alone, mean};
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{ClearColorConfig, Hdr, RenderTarget, Viewport};
+use bevy::camera::{ClearColorConfig, Exposure, Hdr, RenderTarget, Viewport};
 use bevy::math::UVec2;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -738,4 +738,61 @@ fn a_mesh_is_seen_in_the_shape_that_its_morph_weights_give_it() {
         .insert(MeshMorphWeights::Value { weights });
     let [left, right] = sides(&mut headless);
     assert!(left > right + 30.0, "and back: {left} and {right}");
+}
+
+/// What a camera's exposure leaves of a luminance is its share of 1.2 × 2^EV cd/m².
+#[test]
+fn a_pupil_answers_to_the_light_that_its_camera_sees() {
+    let _alone = alone();
+    let (mut headless, _, _) = world(0);
+    let ann = somebody(&mut headless);
+    let (camera, _) = worn(&mut headless, ann, target_image(UVec2::new(96, 64)), None);
+    // Nothing but sky.
+    let exposure = Exposure { ev100: 6.0 };
+    headless
+        .world()
+        .entity_mut(camera)
+        .insert((RenderLayers::layer(7), exposure));
+    let mut under = |sky: f32, time_s: f64| {
+        let world = headless.world();
+        world
+            .get_mut::<Camera>(camera)
+            .expect("a camera")
+            .clear_color = ClearColorConfig::Custom(Color::linear_rgb(sky, sky, sky));
+        for step in 0..8 {
+            headless.go_to(time_s + 0.4 * f64::from(step));
+        }
+        let world = headless.world();
+        let light = world
+            .get::<Adaptation>(ann)
+            .expect("somebody")
+            .luminance_cd_m2;
+        let mut pupils = world.query::<&Pupil>();
+        let pupil = pupils.iter(world).next().expect("an eye").diameter_mm;
+        (light, pupil)
+    };
+    // Bright, dim, and bright again, as the codes of a half float say it.
+    let full = 1.2 * 64.0;
+    let (bright, narrow) = under(0.5, 0.2);
+    assert!((bright / (0.5 * full) - 1.0).abs() < 1e-3, "{bright}");
+    let (dim, wide) = under(0.002, 4.0);
+    assert!((dim / (0.002 * full) - 1.0).abs() < 1e-3, "{dim}");
+    assert!(wide > 1.3 * narrow, "{wide} and {narrow} mm");
+    let (again, _) = under(0.5, 8.0);
+    assert!((again / bright - 1.0).abs() < 1e-6, "{again}");
+    // What an app says is not overruled.
+    let said = Adaptation {
+        luminance_cd_m2: 3.0,
+        is_measured: false,
+    };
+    headless.world().entity_mut(ann).insert(said);
+    let world = headless.world();
+    world
+        .get_mut::<Camera>(camera)
+        .expect("a camera")
+        .clear_color = ClearColorConfig::Custom(Color::linear_rgb(0.1, 0.1, 0.1));
+    for step in 0..4 {
+        headless.go_to(12.0 + 0.2 * f64::from(step));
+    }
+    assert_eq!(headless.world().get::<Adaptation>(ann), Some(&said));
 }

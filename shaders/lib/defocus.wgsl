@@ -9,36 +9,12 @@ fn defocus_blur_angle(pupil_m: f32, distance_vergence_d: f32, focus_vergence_d: 
     return pupil_m * abs(distance_vergence_d - focus_vergence_d + refraction_d);
 }
 
-// The blur ellipse of an astigmatic eye: x and y its longer and shorter diameter (rad), z the
-// direction of the longer one (rad, from 0 up to pi; 0 for a disc). `refraction` is the power vector
-// (M, J0, J45) in dioptres of Thibos et al. 1997, in the frame in which the direction is wanted.
-fn defocus_blur_ellipse(
-    pupil_m: f32,
-    distance_vergence_d: f32,
-    focus_vergence_d: f32,
-    refraction: vec3f,
-) -> vec3f {
-    let pupil = max(pupil_m, 0.0);
-    let m = refraction.x + (distance_vergence_d - focus_vergence_d);
-    let j = length(refraction.yz);
-    // The eigenvector of M + J lies along the axis of the minus cylinder; that of M - J across it.
-    let along = 0.5 * atan2(refraction.z, select(1.0, refraction.y, j > 0.0));
-    let direction = select(along + 1.57079633, along, m >= 0.0);
-    let turned = direction - 3.14159265 * floor(direction / 3.14159265);
-    return vec3f(pupil * (abs(m) + j), pupil * abs(abs(m) - j), select(0.0, turned, j > 0.0));
-}
-
-// Second moments (xx, xy, yy; rad^2) of the same ellipse, without trigonometry.
-fn defocus_blur_covariance(
-    pupil_m: f32,
-    distance_vergence_d: f32,
-    focus_vergence_d: f32,
-    refraction: vec3f,
-) -> vec3f {
-    let pupil = 0.25 * max(pupil_m, 0.0);
-    let m = refraction.x + (distance_vergence_d - focus_vergence_d);
-    let xx = pupil * (m + refraction.y);
-    let yy = pupil * (m - refraction.y);
-    let xy = pupil * refraction.z;
-    return vec3f(xx * xx + xy * xy, xy * (xx + yy), yy * yy + xy * xy);
+// Blur of an eye whose error of refraction is `sphere_d` (spherical equivalent) with a cross cylinder of
+// `astigmatism_d` (half of the cylinder, not negative): x the diameter (rad) of the disc of as much
+// variance, y by how much of that variance the one along the axis of the minus cylinder exceeds it (-1 to
+// 1; across the axis it falls short by as much). 0 is a disc, 1 and -1 are lines.
+fn astigmatic_blur(pupil_m: f32, sphere_d: f32, astigmatism_d: f32) -> vec2<f32> {
+    let strength2 = sphere_d * sphere_d + astigmatism_d * astigmatism_d;
+    let elongation = 2.0 * sphere_d * astigmatism_d / max(strength2, 1e-12);
+    return vec2<f32>(max(pupil_m, 0.0) * sqrt(strength2), elongation);
 }

@@ -1,4 +1,4 @@
-// What every pass of the view reads. Keep in sync with src/percept/gpu_data.rs (224 bytes).
+// What every pass of the view reads. Keep in sync with src/percept/gpu_data.rs (240 bytes).
 // View frame: +x right, +y up, looking along -z; image y runs down.
 struct PerceptUniform {
     right: vec3<f32>,               // view +x in the world
@@ -14,7 +14,7 @@ struct PerceptUniform {
     size: vec2<u32>,                // view, pixels
     supersampling: u32,             // scene texels a view pixel, along each axis
     slot_mask: u32,                 // slots in the voxel table minus one
-    epoch: u32,                     // blinks, counted round from 0 to 255
+    epoch: u32,                     // blinks, counted round from 0 to 15
     starve_steps: u32,              // R(now) in 1/4096
     rebase_steps: u32,              // for `rebase` only
     fast_threshold: u32,            // 0..=255
@@ -43,7 +43,8 @@ struct PerceptUniform {
     luma_exposure: f32,             // scene radiance that FAST calls white is 1 / this
     table_slots_old: u32,           // for `grow_table` only
     display_referred: u32,          // 1: the picture holds a display's colours, no shoulder
-    unused: f32,
+    j0_d: f32,                      // cross cylinder at 0 and 90 degrees in the view (+x right, +y up)
+    j45_d: f32,                     // and at 45 and 135 degrees
 };
 
 @group(0) @binding(0) var<uniform> percept: PerceptUniform;

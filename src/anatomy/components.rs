@@ -10,6 +10,7 @@
 //! | eye | [`Eye`], [`Cornea`], [`Iris`], [`Lens`], [`Refraction`], [`Sclera`], [`Lids`] | [`Gaze`], [`Pupil`], [`Accommodation`] |
 
 use super::gaze::GazeAngles;
+use crate::optics::defocus::PowerVector;
 use crate::optics::pupil::entrance_pupil_magnification;
 use crate::tissue::iris_reflectance::IrisPigment;
 use bevy::ecs::reflect::ReflectComponent;
@@ -260,6 +261,15 @@ impl Refraction {
     pub fn spherical_equivalent_d(&self) -> f64 {
         self.sphere_d + 0.5 * self.cylinder_d
     }
+
+    /// The same as a power vector; its axis is the prescription's.
+    pub fn power_vector(&self) -> PowerVector {
+        PowerVector::from_sphere_cylinder(
+            self.sphere_d,
+            self.cylinder_d,
+            self.axis_deg.to_radians(),
+        )
+    }
 }
 
 /// The sclera and what covers it.
@@ -347,13 +357,17 @@ impl PupilControl {
 pub struct Adaptation {
     /// Mean luminance of what is before the eyes, cd/m².
     pub luminance_cd_m2: f64,
+    /// Is that measured, by the camera that sees as she does, in what it draws? If not, or without such a
+    /// camera, it is what an app says. A photograph's light is not known to any camera.
+    pub is_measured: bool,
 }
 
 impl Default for Adaptation {
-    /// A well-lit room.
+    /// A well-lit room, until a camera measures what is there.
     fn default() -> Self {
         Self {
             luminance_cd_m2: 100.0,
+            is_measured: true,
         }
     }
 }

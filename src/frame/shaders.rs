@@ -24,6 +24,7 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("caustic", library!("caustic")),
     ("refraction_function", library!("refraction_function")),
     ("defocus", library!("defocus")),
+    ("gaussian_ellipse", library!("gaussian_ellipse")),
     ("glare", library!("glare")),
     ("tear_film", library!("tear_film")),
     ("microfacet", library!("microfacet")),
@@ -320,12 +321,20 @@ pub const SOURCES: &[Source] = &[
     Source {
         handle: GATHER,
         name: "ocularium/gather.wgsl",
-        library: &["retinal_blur", "gaussian_disc", "eyelid_view", "output"],
+        library: &[
+            "retinal_blur",
+            "gaussian_disc",
+            "gaussian_ellipse",
+            "sharpness_key",
+            "eyelid_view",
+            "output",
+        ],
         entry: &[
             PERCEPT,
             VISUAL_FIELD,
             MEDIA,
             include_str!("../../shaders/view/present/gather.wgsl"),
+            include_str!("../../shaders/view/present/gather_ellipse.wgsl"),
         ],
     },
 ];

@@ -99,6 +99,16 @@ impl PowerVector {
         }
     }
 
+    /// The same refraction with its axis turned by an angle (rad).
+    pub fn turned(self, angle_rad: f64) -> Self {
+        let (sin, cos) = (2.0 * angle_rad).sin_cos();
+        Self {
+            j0_d: self.j0_d * cos - self.j45_d * sin,
+            j45_d: self.j0_d * sin + self.j45_d * cos,
+            ..self
+        }
+    }
+
     /// The same refraction in the patient's view (+x right, +y up as the patient sees it), where a
     /// prescription's axes run clockwise. Its own inverse.
     pub fn in_view(self) -> Self {
@@ -217,6 +227,19 @@ pub fn defocus_blur_ellipse(
         minor_rad: pupil * (error.m_d.abs() - j).abs(),
         orientation_rad: if j > 0.0 { half_turn(orientation) } else { 0.0 },
     }
+}
+
+/// Blur of an eye whose error of refraction is `sphere_d` (D, spherical equivalent) with a cross cylinder of
+/// `astigmatism_d` (D, half of the cylinder, not negative), as the view draws it: the diameter (rad) of the
+/// disc of as much variance, and its *elongation*, by how much of that variance the one along the axis of the
+/// minus cylinder exceeds it (−1 to 1; across the axis it falls short by as much). 0 is a disc, ±1 are lines.
+///
+/// The variances are those of [`defocus_blur_covariance`], p²(M ± J)²/16: exact.
+pub fn astigmatic_blur(pupil_m: f64, sphere_d: f64, astigmatism_d: f64) -> [f64; 2] {
+    let (m, j) = (sane_power(sphere_d), sane_power(astigmatism_d));
+    let strength2 = m * m + j * j;
+    let elongation = 2.0 * m * j / strength2.max(1e-12);
+    [sane_pupil(pupil_m) * strength2.sqrt(), elongation]
 }
 
 /// Second moments (xx, xy, yy; rad²) of [`defocus_blur_ellipse`] without its trigonometry:

@@ -24,6 +24,7 @@ pub const PRESETS: &[Preset] = presets![
     "healthy-blue",
     "healthy-green",
     "myope-3d",
+    "astigmat",
     "presbyope-60",
     "glaucoma-moderate",
     "cataract-nuclear",

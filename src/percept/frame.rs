@@ -90,6 +90,7 @@ impl PerceptFrame {
         Effects {
             field_loss: self.field_loss.is_some(),
             media: self.media.is_some(),
+            astigmatism: self.uniform.j0_d != 0.0 || self.uniform.j45_d != 0.0,
         }
     }
 }
@@ -109,6 +110,8 @@ pub struct CaptureResult {
     pub vergence_d: Vec<f32>,
     /// Voxels in the field's table.
     pub occupied: u32,
+    /// Mean of the picture, in its own units.
+    pub mean_luminance: f32,
 }
 
 impl CaptureResult {

@@ -23,7 +23,7 @@ pub const FORGET: u32 = u32::MAX;
 /// Largest workgroup count along one axis that every WebGPU device takes.
 const MAX_GROUPS: u32 = 65_535;
 
-/// The uniform of every pass of the view, 224 bytes.
+/// The uniform of every pass of the view, 240 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct PerceptUniform {
@@ -53,7 +53,7 @@ pub struct PerceptUniform {
     pub supersampling: u32,
     /// Slots of the voxel table (a power of two) minus one.
     pub slot_mask: u32,
-    /// Blinks, counted round from 0 to 255 ([`super::sharpness_field::SharpnessClock::epoch`]).
+    /// Blinks, counted round from 0 to 15 ([`super::sharpness_field::SharpnessClock::epoch`]).
     pub epoch: u32,
     /// Starvation now, in 1/4096 nat ([`super::sharpness_field::SharpnessClock::starve_steps`]).
     pub starve_steps: u32,
@@ -111,11 +111,15 @@ pub struct PerceptUniform {
     pub table_slots_old: u32,
     /// 1 where the picture holds a display's colours already, as a photograph does: no shoulder.
     pub display_referred: u32,
+    /// Cross cylinder with axes at 0 and 90° in the view (+x right, +y up), D.
+    pub j0_d: f32,
+    /// Cross cylinder with axes at 45 and 135° in the view, D.
+    pub j45_d: f32,
     /// Fills the shader's struct.
-    pub unused: f32,
+    pub unused: [f32; 3],
 }
 
-const _: () = assert!(size_of::<PerceptUniform>() == 224);
+const _: () = assert!(size_of::<PerceptUniform>() == 240);
 
 impl Default for PerceptUniform {
     /// A healthy eye looking straight ahead at infinity, 320 × 320 over 60°.
@@ -165,7 +169,9 @@ impl Default for PerceptUniform {
             luma_exposure: 1.0,
             table_slots_old: 0,
             display_referred: 0,
-            unused: 0.0,
+            j0_d: 0.0,
+            j45_d: 0.0,
+            unused: [0.0; 3],
         }
     }
 }
@@ -329,9 +335,10 @@ pub(in crate::percept) mod tests {
             luma_exposure,
             table_slots_old,
             display_referred,
-            unused,
+            j0_d,
+            j45_d,
         );
-        assert_eq!(members.len(), 43);
+        assert_eq!(members.len(), 44);
     }
 
     /// Members of a struct of a shader, where they are, and its size.

@@ -26,7 +26,7 @@ pub use capture::fast;
 pub use capture::sight::SceneChanges;
 pub use field::{SharpnessField, sharpness_field};
 pub use frame::{CaptureResult, PerceptFrame};
-pub use present::{gather, veil};
+pub use present::{gather, gather_ellipse, veil};
 pub use sees_as::{SeesAs, Worn};
 pub use view::{NEAR_M, Percept, ViewOptions};
 

@@ -31,6 +31,8 @@ pub(super) struct Effects {
     pub(super) field_loss: bool,
     /// The media scatter or colour the light.
     pub(super) media: bool,
+    /// Blur has a direction.
+    pub(super) astigmatism: bool,
 }
 
 impl Effects {
@@ -39,6 +41,7 @@ impl Effects {
         Self {
             field_loss: self.field_loss && other.field_loss,
             media: self.media && other.media,
+            astigmatism: self.astigmatism && other.astigmatism,
         }
     }
 
@@ -55,6 +58,7 @@ impl Effects {
                     ShaderDefVal::UInt(format!("{name}_GROUP"), group),
                 ]
             })
+            .chain(self.astigmatism.then(|| "ASTIGMATISM".into()))
             .collect()
     }
 
@@ -79,11 +83,13 @@ impl Effects {
     }
 }
 
-/// What the effects of a view read: the map of its field; the veil over it, and the numbers of that.
+/// What the effects of a view read: the map of its field; the veil over it, and the numbers of that. Blur that
+/// has a direction reads nothing more.
 #[derive(Clone, Copy, Default)]
 pub(super) struct EffectInputs<'a> {
     pub(super) field: Option<&'a TextureView>,
     pub(super) media: Option<(&'a TextureView, &'a Buffer)>,
+    pub(super) astigmatism: bool,
 }
 
 impl EffectInputs<'_> {
@@ -91,6 +97,7 @@ impl EffectInputs<'_> {
         Effects {
             field_loss: self.field.is_some(),
             media: self.media.is_some(),
+            astigmatism: self.astigmatism,
         }
     }
 

@@ -300,14 +300,11 @@ fn capture(
         gpu.unread += 1;
     } else {
         gpu.readback.start(Staging::copy(
-            recorder.device,
-            recorder.encoder,
+            recorder,
             request.serial,
-            size,
-            &gpu.corners.counters,
-            &gpu.corners.candidates,
+            &view,
+            (&gpu.corners.counters, &gpu.corners.candidates),
             &table.counters,
-            &view.vergence,
         ));
         gpu.unread = 0;
     }
@@ -411,6 +408,7 @@ fn show(
     let inputs = EffectInputs {
         field: gpu.field.as_ref().map(|(_, view)| view),
         media: veil,
+        astigmatism: frame.effects().astigmatism,
     };
     let effects = frame.effects();
     if view.size != UVec2::from(frame.uniform.size) || effects.field_loss != inputs.field.is_some()

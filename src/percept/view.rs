@@ -6,11 +6,12 @@ use super::frame::{CaptureResult, FieldMap, PerceptReturn};
 use super::gpu_data::{MediaUniform, PerceptUniform};
 use super::places::{candidates_of, direction_of, distance_m, from_the_other_eye};
 use super::sees_as::{SeesAs, Worn};
-use crate::anatomy::{EyeFinder, Patient};
+use crate::anatomy::{Adaptation, EyeFinder, Patient};
 use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::{Candidates, GazeController};
 use crate::scene::photo::PhotoScene;
+use bevy::camera::Exposure;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
@@ -313,12 +314,18 @@ type Receiving<'a> = (
     &'a ViewOptions,
     &'a mut Percept,
     Option<&'a Panel>,
+    Option<&'a Exposure>,
 );
 
-/// Takes in finished captures: candidates for the eye, distances for the user's pointer.
+/// Takes in finished captures: candidates and light for the eye, distances for the user's pointer.
 pub(super) fn receive(
     mut views: Query<Receiving>,
-    mut people: Query<(&GazeController, &Patient, Option<&mut Candidates>)>,
+    mut people: Query<(
+        &GazeController,
+        &Patient,
+        &mut Adaptation,
+        Option<&mut Candidates>,
+    )>,
     mut has_come: Local<bool>,
     readiness: Res<Readiness>,
     finder: EyeFinder,
@@ -327,7 +334,7 @@ pub(super) fn receive(
 ) {
     // Who is seen through by several cameras chooses by the first that was made, of those that have seen.
     let mut first: HashMap<Entity, (bool, u64)> = HashMap::default();
-    for (sees, _, options, percept, panel) in &views {
+    for (sees, _, options, percept, panel, _) in &views {
         if let Some((_, patient)) = finder.find(sees.0)
             && is_shown(options, panel)
         {
@@ -337,7 +344,7 @@ pub(super) fn receive(
         }
     }
     let (mut is_waiting, mut can_see) = (false, false);
-    for (sees, worn, options, mut percept, panel) in &mut views {
+    for (sees, worn, options, mut percept, panel, exposure) in &mut views {
         let mut is_news = false;
         if percept.returned.take_lost() {
             // It is asked for again.
@@ -365,9 +372,17 @@ pub(super) fn receive(
         if let Some((eye, patient)) = found
             && (is_news || (percept.told != Some(patient) && !percept.is_new))
             && first.get(&patient) == Some(&own)
-            && let Ok((controller, person, candidates)) = people.get_mut(patient)
+            && let Ok((controller, person, mut adaptation, candidates)) = people.get_mut(patient)
         {
             percept.told = Some(patient);
+            if adaptation.is_measured && percept.photo.is_none() {
+                let exposure = exposure.map_or(Exposure::default().exposure(), Exposure::exposure);
+                let measured = Adaptation {
+                    luminance_cd_m2: f64::from(percept.captured.mean_luminance / exposure),
+                    ..*adaptation
+                };
+                adaptation.set_if_neq(measured);
+            }
             let middle = percept.captured.size.as_vec2() * 0.5;
             let mut found = Candidates {
                 list: candidates_of(&percept, controller.seed()),

@@ -210,6 +210,7 @@ fn set(world: &mut World, session: &Session, sizes: [UVec2; 2], shown: [bool; 2]
             Candidates::default(),
             Adaptation {
                 luminance_cd_m2: session.scene.mean_luminance_cd_m2(),
+                is_measured: false,
             },
         ))
         .id();
@@ -293,6 +294,7 @@ fn carry_out(
         clock.ready = false;
         commands.entity(stage.patient).insert(Adaptation {
             luminance_cd_m2: stage.scene.mean_luminance_cd_m2(),
+            is_measured: false,
         });
         scenery.put(&stage, &mut commands);
     }

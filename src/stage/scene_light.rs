@@ -333,7 +333,10 @@ pub(super) fn adapt(
     };
     // Said once: whoever says otherwise meanwhile has the last word.
     if found.said.replace(luminance_cd_m2) != Some(luminance_cd_m2) {
-        adaptation.set_if_neq(Adaptation { luminance_cd_m2 });
+        adaptation.set_if_neq(Adaptation {
+            luminance_cd_m2,
+            is_measured: false,
+        });
     }
 }
 

@@ -1,6 +1,6 @@
 //! The gather of the device against `reference_gather`, with a near card before a far plane.
 
-use super::{Eye, Photograph, SIDE};
+use super::{Eye, NEUTRAL, Photograph, SIDE};
 use crate::stage::alone;
 use bevy::math::DVec3;
 use image::{Rgba, RgbaImage};
@@ -18,7 +18,7 @@ const BAND: i32 = 8;
 const UNJUDGED_PX: std::ops::Range<f32> = 0.5..2.4;
 
 /// Plates of four greys; those of the card are smaller.
-fn card_before_plane() -> Photograph {
+pub fn card_before_plane() -> Photograph {
     let [left, top, right, bottom] = CARD.map(|edge| edge as u32);
     Photograph::new(|x, y| {
         let near = (left..right).contains(&x) && (top..bottom).contains(&y);
@@ -44,13 +44,13 @@ fn depth_in_card(x: u32, y: u32) -> i32 {
 /// of a coarser level has one depth where the reference has several, and what spreads over the edge is
 /// summed at 20 to 30 places. Found, at most, are 0.15, 1 and 1 on the card, 0.30, 6 and 11 at its
 /// edge and 0.13, 1 and 1 on the plane, and what is sharp differs by nothing.
-struct Part {
-    name: &'static str,
+pub struct Part {
+    pub name: &'static str,
     holds: fn(i32) -> bool,
     limits: Limits,
 }
 
-const PARTS: [Part; 3] = [
+static PARTS: [Part; 3] = [
     Part {
         name: "card",
         holds: |depth| depth >= BAND,
@@ -80,7 +80,23 @@ const PARTS: [Part; 3] = [
     },
 ];
 
-fn expected(photograph: &Photograph, eye: Eye) -> RgbaImage {
+/// The same parts and how far an astigmat's picture may be from the reference there, whose every texel is
+/// summed as it is here; at the edge as the case has it.
+pub fn card_parts(edge_mean: f64) -> [(&'static Part, Limits); 3] {
+    let limits = |mean, percentile_999, max| Limits {
+        mean,
+        percentile_999,
+        max,
+    };
+    let [card, edge, plane] = &PARTS;
+    [
+        (card, limits(0.2, 2, 2)),
+        (edge, limits(edge_mean, 24, 31)),
+        (plane, limits(0.28, 3, 4)),
+    ]
+}
+
+pub fn expected(photograph: &Photograph, eye: Eye) -> RgbaImage {
     let seen = photograph.reference(eye);
     RgbaImage::from_fn(SIDE, SIDE, |x, y| {
         let code = linear_to_srgb(DVec3::splat(seen[(y * SIDE + x) as usize])).y * 255.0;
@@ -90,7 +106,12 @@ fn expected(photograph: &Photograph, eye: Eye) -> RgbaImage {
 }
 
 /// Difference from what the reference says over the judged pixels of a part.
-fn difference(part: &Part, wanted: &RgbaImage, drawn: &RgbaImage, blur_px: &[f32]) -> Difference {
+pub fn difference(
+    part: &Part,
+    wanted: &RgbaImage,
+    drawn: &RgbaImage,
+    blur_px: &[f32],
+) -> Difference {
     let [wanted, drawn] = [wanted, drawn].map(|picture| {
         let pixels = picture.enumerate_pixels().zip(blur_px);
         let judged = pixels.filter(|((x, y, _), blur)| {
@@ -116,14 +137,14 @@ fn depth_edges_are_drawn_as_the_reference_draws_them() {
     // The far plane sharp, both blurred alike, and the card sharp.
     for sphere_d in [0.0, -1.0, -2.0] {
         let eye = Eye {
-            pupil_mm: 4.0,
             sphere_d,
+            ..NEUTRAL
         };
         let control = Eye {
             sphere_d: sphere_d - 0.25,
             ..eye
         };
-        let (wanted, blur_px) = (expected(&photograph, eye), photograph.blur_px(eye));
+        let (wanted, blur_px) = (expected(&photograph, eye), photograph.blur_px(eye).0);
         let [drawn, other] = [eye, control].map(|eye| eye.draw(&mut headless));
         for part in &PARTS {
             let found = difference(part, &wanted, &drawn, &blur_px);

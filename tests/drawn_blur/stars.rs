@@ -19,13 +19,16 @@ use ocularium::stage::{Session, SessionCommand};
 use std::sync::Arc;
 
 /// Pixels along a side of the view, and the angle that they span.
-const SIDE: u32 = 240;
+pub const PIXELS: u32 = 240;
+const SIDE: u32 = PIXELS;
 const FIELD_DEG: f32 = 6.0;
 /// Distance of the stars, m: a thousandth of a dioptre from infinity.
 const FAR_M: f32 = 900.0;
+/// The same, D.
+pub const FAR_D: f64 = 1.0 / 900.0;
 /// Linear light of the middle of a star's disc: well below the knee of the output transform, and
 /// high enough that a code value is a few thousandths of it.
-const PEAK: f64 = 0.5;
+pub const PEAK: f64 = 0.5;
 /// Of the luminance over the mean, what is shown of it.
 const MIDDLE_GREY: f64 = 0.3;
 
@@ -34,7 +37,7 @@ const DEFOCI_D: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
 
 /// Shows a patient who looks straight ahead into the distance, and answers with the linear light of
 /// every pixel of the view.
-fn view_of(headless: &mut Headless, patient: PatientFile) -> Vec<f64> {
+pub fn view_of(headless: &mut Headless, patient: PatientFile) -> Vec<f64> {
     headless.command(SessionCommand::Patient(Box::new(patient)));
     headless.go_to(0.0);
     settle(headless);
@@ -57,7 +60,7 @@ fn half_field() -> f64 {
 }
 
 /// Places of the four stars of a case, pixels: every case has them on other texels of the mips.
-fn places(case: u32) -> [UVec2; 4] {
+pub fn places(case: u32) -> [UVec2; 4] {
     [(60, 60), (180, 60), (60, 180), (180, 180)].map(|(x, y)| {
         let step = x / 60 + y / 30 + 7 * case;
         UVec2::new(x + (5 * step) % 16, y + (11 * step) % 16) - 8
@@ -70,24 +73,29 @@ fn eccentricity(place: UVec2) -> f64 {
     (half_field() * off(place.x).hypot(off(place.y))).atan()
 }
 
-fn pixels_per_rad() -> f64 {
+pub fn pixels_per_rad() -> f64 {
     f64::from(SIDE) / (2.0 * half_field())
 }
 
-/// Diameter of the blur that is claimed, pixels: the pupil's disc, and the retina's.
-fn claimed_px(pupil_mm: f64, defocus_d: f64, place: UVec2) -> f64 {
+/// Diameter of the retina's blur at a place, pixels.
+pub fn neural_px(place: UVec2) -> f64 {
     let retina = PerceptUniform::default();
     let neural = neural_blur(
         eccentricity(place),
         f64::from(retina.neural_floor_rad),
         f64::from(retina.eccentricity_e2_rad),
     );
-    let defocus_d = defocus_d - 1.0 / f64::from(FAR_M);
-    combined_blur(1e-3 * pupil_mm * defocus_d, neural) * pixels_per_rad()
+    neural * pixels_per_rad()
+}
+
+/// Diameter of the blur that is claimed, pixels: the pupil's disc, and the retina's.
+fn claimed_px(pupil_mm: f64, defocus_d: f64, place: UVec2) -> f64 {
+    let defocus = 1e-3 * pupil_mm * (defocus_d - FAR_D);
+    combined_blur(defocus * pixels_per_rad(), neural_px(place))
 }
 
 /// Stars of one pixel each before a black sky, as bright as makes their discs [`PEAK`].
-fn sky(places: [UVec2; 4], diameter_px: f64) -> LoadedScene {
+pub fn sky(places: [UVec2; 4], diameter_px: f64) -> LoadedScene {
     let luminance = light(diameter_px) / MIDDLE_GREY;
     let star = |place: UVec2| {
         let at = |p: u32, d: f64| {

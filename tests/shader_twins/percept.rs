@@ -4,7 +4,7 @@
 use super::{between, pass, unit};
 use crate::gpu::Twin;
 use glam::DVec2;
-use ocularium::percept::{fast, gather, sharpness_field as field, veil};
+use ocularium::percept::{fast, gather, gather_ellipse, sharpness_field as field, veil};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -178,35 +178,41 @@ fn fast_strength() {
     });
 }
 
-/// Halves of a key: its epoch and its value, which f32 holds exactly.
-fn halves(key: u32) -> Vec<f64> {
-    vec![f64::from(key >> 24), f64::from(key & 0xFF_FFFF)]
+/// Parts of a key, which f32 holds exactly: its epoch, its value and the elongation's code.
+fn parts(key: u32) -> Vec<f64> {
+    [key >> 28, (key >> 7) & 0x1F_FFFF, key & 0x7F]
+        .map(f64::from)
+        .to_vec()
 }
 
-const HALVES: &str = "y[0] = f32(key >> 24u); y[1] = f32(key & 0xFFFFFFu);";
+const PARTS: &str =
+    "y[0] = f32(key >> 28u); y[1] = f32((key >> 7u) & 0x1FFFFFu); y[2] = f32(key & 0x7Fu);";
+const KEY: &str = "u32(x[0]) << 28u | u32(x[1]) << 7u | u32(x[2])";
 
-/// A key of parts: (epoch bits, value).
+/// A key of its parts.
 fn key_of(x: &[f64]) -> u32 {
-    (x[0] as u32) << 24 | x[1] as u32
+    (x[0] as u32) << 28 | (x[1] as u32) << 7 | x[2] as u32
 }
 
-/// A stored key (top byte, value), the starvation now and the epoch now: mostly of this epoch.
-fn stored(rng: &mut Pcg64) -> [f32; 4] {
-    let epoch = rng.random_range(0..256_u32);
+/// A stored key (its parts), the starvation now and the epoch now: mostly of this epoch.
+fn stored(rng: &mut Pcg64) -> [f32; 5] {
+    let epoch = rng.random_range(0..16_u32);
     let starved = rng.random_range(0..field::STARVE_STEPS_MAX);
     let top = if rng.random_bool(0.8) {
-        255 - epoch
+        15 - epoch
     } else {
-        rng.random_range(0..256)
+        rng.random_range(0..16)
     };
     let blur = rng.random_range(0..=field::LN_STEPS_MAX + 20_000);
-    let value = (field::STARVE_STEPS_MAX - starved + blur).min(0xFF_FFFF);
-    [top as f32, value as f32, starved as f32, epoch as f32]
+    let value = (field::STARVE_STEPS_MAX - starved + blur).min(0x1F_FFFF);
+    let code = rng.random_range(0..128_u32);
+    [top, value, code, starved, epoch].map(|part| part as f32)
 }
 
 #[test]
 fn sharpness_key() {
-    let encode = format!("let key = sharpness_key_encode(x[0], u32(x[1]), u32(x[2])); {HALVES}");
+    let encode =
+        format!("let key = sharpness_key_encode(x[0], x[1], u32(x[2]), u32(x[3])); {PARTS}");
     pass(&Twin {
         name: "sharpness_key_encode",
         library: &["sharpness_key"],
@@ -215,27 +221,37 @@ fn sharpness_key() {
             let coc = 10.0_f32.powf(between(rng, -7.0, 1.5));
             vec![
                 coc,
+                between(rng, -1.0, 1.0),
                 whole(rng, field::STARVE_STEPS_MAX + 1),
-                whole(rng, 256),
+                whole(rng, 16),
             ]
         },
-        exact: &|x| halves(field::sharpness_key_encode(x[0], x[1] as u32, x[2] as u8)),
-        // A logarithm in f32 may fall on the other side of a step's edge; the next one is wrong.
+        exact: &|x| {
+            parts(field::sharpness_key_encode(
+                x[0],
+                x[1],
+                x[2] as u32,
+                x[3] as u8,
+            ))
+        },
+        // A logarithm or an arcsine in f32 may fall on the other side of a step's edge; the next one is
+        // wrong.
         absolute: 1.0,
         relative: 0.0,
         steep_share: 0.0,
     });
+    let decode = format!("y[0] = sharpness_key_decode({KEY}, u32(x[3]), u32(x[4]), x[5]);");
     pass(&Twin {
         name: "sharpness_key_decode",
         library: &["sharpness_key"],
-        call: "y[0] = sharpness_key_decode(u32(x[0]) << 24u | u32(x[1]), u32(x[2]), u32(x[3]), x[4]);",
+        call: &decode,
         draw: &|rng| [&stored(rng)[..], &[between(rng, 1e-3, 10.0)]].concat(),
         exact: &|x| {
             vec![field::sharpness_key_decode(
                 key_of(x),
-                x[2] as u32,
-                x[3] as u8,
-                x[4],
+                x[3] as u32,
+                x[4] as u8,
+                x[5],
             )]
         },
         // exp of 14 in f32: the argument's rounding, 1e-6, and the function's own. A step is 2.4e-4.
@@ -243,9 +259,43 @@ fn sharpness_key() {
         relative: 5e-6,
         steep_share: 0.0,
     });
+    let elongation = format!("y[0] = sharpness_key_elongation({KEY}, u32(x[4]));");
+    pass(&Twin {
+        name: "sharpness_key_elongation",
+        library: &["sharpness_key"],
+        call: &elongation,
+        draw: &|rng| stored(rng).to_vec(),
+        exact: &|x| vec![field::sharpness_key_elongation(key_of(x), x[4] as u8)],
+        // WGSL allows a sine 2^-11; a step of the code is 0.025 at a disc.
+        absolute: 5e-4,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "elongation_encode",
+        library: &["sharpness_key"],
+        call: "y[0] = f32(elongation_encode(x[0]));",
+        draw: &|rng| vec![between(rng, -1.1, 1.1)],
+        exact: &|x| vec![f64::from(field::elongation_encode(x[0]))],
+        // An arcsine may fall on the other side of a step's edge.
+        absolute: 1.0,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "elongation_decode",
+        library: &["sharpness_key"],
+        call: "y[0] = elongation_decode(u32(x[0]));",
+        draw: &|rng| vec![whole(rng, 128)],
+        exact: &|x| vec![field::elongation_decode(x[0] as u32)],
+        // WGSL allows a sine 2^-11; a step of the code is 0.025 at a disc.
+        absolute: 5e-4,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
     let rebase = format!(
-        "let key = sharpness_key_rebase(u32(x[0]) << 24u | u32(x[1]), \
-         select(u32(x[2]), 0xFFFFFFFFu, x[2] < 0.0), u32(x[3])); {HALVES}"
+        "let key = sharpness_key_rebase({KEY}, \
+         select(u32(x[3]), 0xFFFFFFFFu, x[3] < 0.0), u32(x[4])); {PARTS}"
     );
     pass(&Twin {
         name: "sharpness_key_rebase",
@@ -255,13 +305,13 @@ fn sharpness_key() {
             let mut x = stored(rng);
             // A negative number stands for forgetting everything.
             if rng.random_bool(0.05) {
-                x[2] = -1.0;
+                x[3] = -1.0;
             }
             x.to_vec()
         },
         exact: &|x| {
-            let steps = if x[2] < 0.0 { u32::MAX } else { x[2] as u32 };
-            halves(field::sharpness_key_rebase(key_of(x), steps, x[3] as u8))
+            let steps = if x[3] < 0.0 { u32::MAX } else { x[3] as u32 };
+            parts(field::sharpness_key_rebase(key_of(x), steps, x[4] as u8))
         },
         // Whole numbers.
         absolute: 0.0,
@@ -534,4 +584,83 @@ fn veils() {
         relative: 0.0,
         steep_share: 0.0,
     });
+}
+
+#[test]
+fn gaussian_ellipse() {
+    let library: &[&str] = &["gaussian_disc", "gaussian_ellipse"];
+    let blur = |rng: &mut Pcg64| {
+        vec![
+            10.0_f32.powf(between(rng, -2.0, 3.0)),
+            between(rng, -1.0, 1.0),
+        ]
+    };
+    pass(&Twin {
+        name: "ellipse_variances",
+        library,
+        call: "let v = ellipse_variances(x[0], x[1]); y[0] = v.x / (x[0] * x[0]); y[1] = v.y / (x[0] * x[0]);",
+        draw: &blur,
+        exact: &|x| {
+            let [along, across] = gather_ellipse::ellipse_variances(x[0], x[1]);
+            vec![along / (x[0] * x[0]), across / (x[0] * x[0])]
+        },
+        // A handful of roundings of an eighth.
+        absolute: 5e-8,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "ellipse_on_level",
+        library,
+        call: "let v = ellipse_on_level(vec2<f32>(x[0], x[1]), x[2]); y[0] = v.x; y[1] = v.y;",
+        draw: &|rng| {
+            vec![
+                10.0_f32.powf(between(rng, -2.0, 3.0)),
+                10.0_f32.powf(between(rng, -2.0, 3.0)),
+                whole(rng, 6),
+            ]
+        },
+        exact: &|x| gather_ellipse::ellipse_on_level([x[0], x[1]], x[2]).to_vec(),
+        absolute: 6e-8,
+        relative: 3e-7,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
+        name: "row_weight",
+        library,
+        call: "y[0] = row_weight(x[0], x[1]);",
+        draw: &|rng| {
+            let variance = 10.0_f32.powf(between(rng, -2.0, 1.2));
+            vec![between(rng, -6.0, 6.0), variance]
+        },
+        exact: &|x| vec![gather_ellipse::row_weight(x[0], x[1])],
+        // An exponent of up to six, and where one kind of weight ends and the next begins.
+        absolute: 3e-6,
+        relative: 0.0,
+        steep_share: 0.0005,
+    });
+    // Whole numbers: wrong only where one ends and the next begins.
+    for (name, call, exact) in [
+        (
+            "row_reach",
+            "y[0] = row_reach(x[0]);",
+            (|x| gather_ellipse::row_reach(x[0])) as fn(&[f64]) -> f64,
+        ),
+        (
+            "ellipse_level",
+            "y[0] = ellipse_level(ellipse_variances(x[0], x[1]));",
+            |x| gather_ellipse::ellipse_level(gather_ellipse::ellipse_variances(x[0], x[1])),
+        ),
+    ] {
+        pass(&Twin {
+            name,
+            library,
+            call,
+            draw: &blur,
+            exact: &|x| vec![exact(x)],
+            absolute: 0.0,
+            relative: 0.0,
+            steep_share: 0.001,
+        });
+    }
 }

@@ -7,19 +7,29 @@
 @group(#{FIELD_LOSS_GROUP}) @binding(0) var visual_field: texture_2d<f32>;
 #endif
 
-// Blur of a pixel at this moment, rad: defocus, retina, and what disease adds.
-fn blur_now(pixel: vec2<u32>) -> f32 {
+// Blur of a pixel at this moment: x its diameter, rad, of defocus, retina, and what disease adds, y its
+// elongation.
+fn blur_now(pixel: vec2<u32>) -> vec2<f32> {
     let ray = ray_of(pixel);
     let vergence = textureLoad(view_vergence, pixel, 0).x;
     let eccentricity = angle_between(ray, percept.fixation);
-    let defocus = defocus_blur_angle(percept.pupil_m, vergence, percept.focus_vergence_d, percept.refraction_d);
+#ifdef ASTIGMATISM
+    let error = percept.refraction_d + (vergence - percept.focus_vergence_d);
+    let defocus = astigmatic_blur(percept.pupil_m, error, length(vec2<f32>(percept.j0_d, percept.j45_d)));
+#else
+    let error = defocus_blur_angle(percept.pupil_m, vergence, percept.focus_vergence_d, percept.refraction_d);
+    let defocus = vec2<f32>(error, 0.0);
+#endif
     var neural = neural_blur(eccentricity, percept.neural_floor_rad, percept.eccentricity_e2_rad);
 #ifdef FIELD_LOSS
     neural += percept.eccentricity_penalty * eccentricity;
     let seen = seen_fraction(visual_field, perimetric_angles(ray, percept.fixation));
     neural = combined_blur(neural, (1.0 - seen) * percept.loss_blur_rad);
 #endif
-    return min(combined_blur(defocus, neural), percept.coc_cap_rad);
+    let all = combined_blur(defocus.x, neural);
+    // What else blurs is round.
+    let share = defocus.x / max(all, 1e-12);
+    return vec2<f32>(min(all, percept.coc_cap_rad), share * share * defocus.y);
 }
 
 @compute @workgroup_size(8, 8)
@@ -30,6 +40,7 @@ fn update_field(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let slot = pixel_slot[pixel.y * percept.size.x + pixel.x];
     if slot != NO_SLOT {
-        atomicMin(&sharpness_keys[slot], sharpness_key_encode(blur_now(pixel), percept.starve_steps, percept.epoch));
+        let blur = blur_now(pixel);
+        atomicMin(&sharpness_keys[slot], sharpness_key_encode(blur.x, blur.y, percept.starve_steps, percept.epoch));
     }
 }

@@ -2,7 +2,11 @@
 
 @group(0) @binding(1) var view_colour: texture_2d<f32>;     // rgb linear radiance, a vergence in D
 @group(0) @binding(2) var view_sampler: sampler;            // linear, mips nearest, clamp to edge
+#ifdef ASTIGMATISM
+@group(0) @binding(3) var<storage, read> blur_px: array<u32>; // bits of the diameter, the last seven of its elongation
+#else
 @group(0) @binding(3) var<storage, read> blur_px: array<f32>;
+#endif
 @group(0) @binding(4) var<storage, read> tile_near: array<vec2<f32>>;
 #ifdef FIELD_LOSS
 @group(#{FIELD_LOSS_GROUP}) @binding(0) var visual_field: texture_2d<f32>;
@@ -26,9 +30,15 @@ fn sample_view(place_px: vec2<f32>, level: f32) -> vec4<f32> {
     return textureSampleLevel(view_colour, view_sampler, place_px / vec2<f32>(percept.size), level);
 }
 
-fn blur_at(place_px: vec2<f32>) -> f32 {
+// Diameter of the blur (pixels) and its elongation.
+fn blur_at(place_px: vec2<f32>) -> vec2<f32> {
     let pixel = vec2<u32>(clamp(place_px, vec2<f32>(0.0), vec2<f32>(percept.size) - 1.0));
-    return blur_px[pixel.y * percept.size.x + pixel.x];
+    let blur = blur_px[pixel.y * percept.size.x + pixel.x];
+#ifdef ASTIGMATISM
+    return vec2<f32>(bitcast<f32>(blur & 0xFFFFFF80u), elongation_decode(blur & 0x7Fu));
+#else
+    return vec2<f32>(blur, 0.0);
+#endif
 }
 
 // 0 where a tap lies at the pixel's depth or behind, 1 where it is clearly nearer; a slanted
@@ -37,6 +47,7 @@ fn nearness(tap_vergence: f32, vergence: f32) -> f32 {
     return smoothstep(0.05, 0.15, (tap_vergence - vergence) / (tap_vergence + 0.2));
 }
 
+#ifndef ASTIGMATISM
 // Share of its weight that a tap at `distance2` keeps for a pixel of this sigma: a nearer tap
 // reaches only as far as its own blur does.
 fn tap_share(place: vec2<f32>, distance2: f32, tap_vergence: f32, vergence: f32, sigma: f32) -> f32 {
@@ -44,7 +55,7 @@ fn tap_share(place: vec2<f32>, distance2: f32, tap_vergence: f32, vergence: f32,
     if near == 0.0 {
         return 1.0;
     }
-    let tap_sigma = clamp(0.25 * blur_at(place), min(0.3, sigma), sigma);
+    let tap_sigma = clamp(0.25 * blur_at(place).x, min(0.3, sigma), sigma);
     let shorter = 1.0 / (tap_sigma * tap_sigma) - 1.0 / (sigma * sigma);
     return mix(1.0, exp(-0.5 * distance2 * shorter), near);
 }
@@ -145,8 +156,9 @@ fn gather_apart(g: Gather, vergence: f32, sigma: f32) -> vec4<f32> {
     return sum;
 }
 
-// Weighted mean around a place for a blur of `sigma` pixels.
-fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
+// Weighted mean around a place for its blur.
+fn gather_own(place: vec2<f32>, centre: vec4<f32>, blur: vec2<f32>) -> vec3<f32> {
+    let sigma = 0.25 * blur.x;
     let taps = gaussian_disc_taps(sigma, percept.max_taps);
     if taps == 0u {
         return centre.rgb;
@@ -175,6 +187,13 @@ fn gather_own(place: vec2<f32>, centre: vec4<f32>, sigma: f32) -> vec3<f32> {
     return (sum.rgb + own * centre.rgb) / (sum.a + own);
 }
 
+// Light that a nearer tap spreads to an offset, per pixel.
+fn spread_density(blur: vec2<f32>, off: vec2<f32>, spacing2: f32) -> f32 {
+    let variance = 0.0625 * blur.x * blur.x;
+    return exp(-0.5 * dot(off, off) / variance) / (6.28318531 * variance);
+}
+#endif
+
 // Largest blur of clearly nearer tiles around a place, as a sigma in pixels (0: none). Tiles are 16
 // pixels wide, so a spread beyond 16 pixels (sigma 6.7) is cut.
 fn near_sigma(place: vec2<f32>, vergence: f32) -> f32 {
@@ -202,11 +221,11 @@ fn spread_near(place: vec2<f32>, centre: vec4<f32>, own: vec3<f32>, own_sigma: f
         let at = place + direction * sqrt(distance2);
         let tap = sample_view(at, level);
         let near = nearness(tap.a, centre.a);
-        let tap_sigma = 0.25 * blur_at(at);
-        if near > 0.0 && tap_sigma > own_sigma {
-            let variance = tap_sigma * tap_sigma;
-            // The tap stands for an area of pi step2 and spreads as exp(-r^2/2v)/(2 pi v).
-            let w = min(near * 0.5 * step2 / variance * exp(-0.5 * distance2 / variance), 1.0);
+        let blur = blur_at(at);
+        if near > 0.0 && 0.25 * blur.x > own_sigma {
+            // The tap stands for an area of pi step2.
+            let area = 3.14159265 * step2;
+            let w = min(near * area * spread_density(blur, at - place, area), 1.0);
             covered += w * vec4<f32>(tap.rgb, 1.0);
         }
         distance2 += step2;
@@ -222,8 +241,9 @@ fn spread_near(place: vec2<f32>, centre: vec4<f32>, own: vec3<f32>, own_sigma: f
 // Linear radiance that reaches the retina from a place of the view.
 fn retinal_radiance(place: vec2<f32>) -> vec3<f32> {
     let centre = sample_view(place, 0.0);
-    let sigma = 0.25 * blur_at(place);
-    var colour = gather_own(place, centre, sigma);
+    let blur = blur_at(place);
+    let sigma = 0.25 * blur.x;
+    var colour = gather_own(place, centre, blur);
     let near = near_sigma(place, centre.a);
     if near > max(sigma, 0.5) {
         colour = spread_near(place, centre, colour, max(sigma, 0.5), near);

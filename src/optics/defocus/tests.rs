@@ -272,3 +272,41 @@ proptest! {
         prop_assert!(defocus_blur_angle(a, b, c, d).is_finite());
     }
 }
+
+#[test]
+fn the_views_blur_has_the_covariance_of_the_ellipse() {
+    for (sphere, cylinder, axis) in [(0.0, -2.0, 30.0), (-3.0, 1.5, 100.0), (1.0, -2.0, 0.0)] {
+        for vergence in [0.0, 0.5, 3.0] {
+            let error = defocus_error(vergence, 0.75, prescription(sphere, cylinder, axis));
+            let [diameter, elongation] = astigmatic_blur(4e-3, error.m_d, error.astigmatism_d());
+            let mean = diameter * diameter / 16.0;
+            let turn = error.j45_d.atan2(error.j0_d);
+            let found = DVec3::new(
+                mean * (1.0 + elongation * turn.cos()),
+                mean * elongation * turn.sin(),
+                mean * (1.0 - elongation * turn.cos()),
+            );
+            let wanted =
+                defocus_blur_covariance(4e-3, vergence, 0.75, prescription(sphere, cylinder, axis));
+            assert!(
+                (found - wanted).length() < 1e-12 * wanted.length(),
+                "{found} {wanted}"
+            );
+        }
+    }
+    // A line focus, and nothing at all.
+    let [_, line] = astigmatic_blur(4e-3, 0.5, 0.5);
+    assert!((line - 1.0).abs() < 1e-15);
+    assert_eq!(astigmatic_blur(4e-3, 0.0, 0.0), [0.0, 0.0]);
+    assert_eq!(astigmatic_blur(f64::NAN, f64::NAN, 1.0)[0], 0.0);
+}
+
+#[test]
+fn a_turned_refraction_has_its_axis_turned() {
+    let turned = prescription(-1.0, -2.0, 30.0).turned(20_f64.to_radians());
+    let wanted = prescription(-1.0, -2.0, 50.0);
+    assert!(
+        (turned.j0_d - wanted.j0_d).abs() < 1e-14 && (turned.j45_d - wanted.j45_d).abs() < 1e-14
+    );
+    assert_eq!(turned.m_d, wanted.m_d);
+}

@@ -1,13 +1,17 @@
 //! Copies from the GPU that arrive when they are ready, on the desktop and in a browser.
 
 use super::super::frame::CaptureResult;
-use super::super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, TABLE_COUNTERS};
+use super::super::gpu_data::{CANDIDATE_CAPACITY, FEATURE_COUNTERS, TABLE_COUNTERS, mip_levels};
+use super::super::pass::Recorder;
+use super::view_images::ViewImages;
+use bevy::color::{LinearRgba, Luminance};
 use bevy::math::UVec2;
 use bevy::render::render_resource::{
-    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Extent3d, MapMode, Origin3d,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect,
+    Buffer, BufferDescriptor, BufferUsages, Extent3d, MapMode, Origin3d, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect,
 };
 use bevy::render::renderer::RenderDevice;
+use half::f16;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -22,6 +26,22 @@ const CANDIDATE_BYTES: u64 = CANDIDATE_CAPACITY as u64 * 16;
 /// Texture copies start at multiples of this.
 const TEXTURE_OFFSET: u64 = (COUNTERS_BYTES + TABLE_BYTES + CANDIDATE_BYTES).next_multiple_of(256);
 
+/// A texel of the view's colour, in a row of its own.
+const MEAN_BYTES: u64 = 256;
+
+/// Where the mean of the picture stands, after its vergences.
+fn mean_offset(row_bytes: u32, size: UVec2) -> u64 {
+    TEXTURE_OFFSET + u64::from(row_bytes) * u64::from(size.y)
+}
+
+/// Luminance of a texel of halves; what is not finite counts as dark.
+fn luminance(rgba: &[u32]) -> f32 {
+    let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
+    let [rg, ba] = [rgba[0], rgba[1]];
+    let mean = LinearRgba::rgb(half(rg), half(rg >> 16), half(ba)).luminance();
+    if mean.is_finite() { mean.max(0.0) } else { 0.0 }
+}
+
 /// One capture on its way to the CPU.
 pub(in crate::percept) struct Staging {
     buffer: Buffer,
@@ -33,22 +53,20 @@ pub(in crate::percept) struct Staging {
 }
 
 impl Staging {
-    /// Records the copies; they run when the encoder is submitted.
-    #[expect(clippy::too_many_arguments, reason = "one argument a source")]
+    /// Records the copies of a view, its corners and what its table counts; they run when the encoder is
+    /// submitted.
     pub(in crate::percept) fn copy(
-        device: &RenderDevice,
-        encoder: &mut CommandEncoder,
+        recorder: &mut Recorder,
         serial: u64,
-        size: UVec2,
-        counters: &Buffer,
-        candidates: &Buffer,
+        view: &ViewImages,
+        (counters, candidates): (&Buffer, &Buffer),
         table_counters: &Buffer,
-        vergence: &Texture,
     ) -> Self {
+        let (device, encoder, size) = (recorder.device, &mut *recorder.encoder, view.size);
         let row_bytes = RenderDevice::align_copy_bytes_per_row(size.x as usize * 4) as u32;
         let buffer = device.create_buffer(&BufferDescriptor {
             label: Some("capture staging"),
-            size: TEXTURE_OFFSET + u64::from(row_bytes) * u64::from(size.y),
+            size: mean_offset(row_bytes, size) + MEAN_BYTES,
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -61,27 +79,33 @@ impl Staging {
             COUNTERS_BYTES + TABLE_BYTES,
             CANDIDATE_BYTES,
         );
-        encoder.copy_texture_to_buffer(
-            TexelCopyTextureInfo {
-                texture: vergence,
-                mip_level: 0,
-                origin: Origin3d::ZERO,
-                aspect: TextureAspect::All,
-            },
-            TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: TexelCopyBufferLayout {
-                    offset: TEXTURE_OFFSET,
-                    bytes_per_row: Some(row_bytes),
-                    rows_per_image: None,
+        let mut copy_level = |texture, mip_level, size: UVec2, offset, row_bytes| {
+            encoder.copy_texture_to_buffer(
+                TexelCopyTextureInfo {
+                    texture,
+                    mip_level,
+                    origin: Origin3d::ZERO,
+                    aspect: TextureAspect::All,
                 },
-            },
-            Extent3d {
-                width: size.x,
-                height: size.y,
-                depth_or_array_layers: 1,
-            },
-        );
+                TexelCopyBufferInfo {
+                    buffer: &buffer,
+                    layout: TexelCopyBufferLayout {
+                        offset,
+                        bytes_per_row: Some(row_bytes),
+                        rows_per_image: None,
+                    },
+                },
+                Extent3d {
+                    width: size.x,
+                    height: size.y,
+                    depth_or_array_layers: 1,
+                },
+            );
+        };
+        copy_level(&view.vergence, 0, size, TEXTURE_OFFSET, row_bytes);
+        // The last level of the mips is their mean.
+        let (last, offset) = (mip_levels(size.x, size.y) - 1, mean_offset(row_bytes, size));
+        copy_level(&view.colour, last, UVec2::ONE, offset, MEAN_BYTES as u32);
         Self {
             buffer,
             serial,
@@ -134,6 +158,7 @@ impl Staging {
             found: counters[1],
             vergence_d,
             occupied: words(COUNTERS_BYTES, TABLE_BYTES)[0],
+            mean_luminance: luminance(&words(mean_offset(self.row_bytes, self.size), 8)),
         }
     }
 }

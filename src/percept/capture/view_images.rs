@@ -50,7 +50,7 @@ impl ViewImages {
             "view_colour",
             TextureFormat::Rgba16Float,
             mip_levels(size.x, size.y),
-            TextureUsages::empty(),
+            TextureUsages::COPY_SRC,
         );
         let vergence = texture(
             "view_vergence",

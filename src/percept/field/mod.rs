@@ -42,8 +42,9 @@ impl Default for FieldPasses {
         let reads = || storage_buffer_read_only_sized(false, None);
         let changes = || storage_buffer_sized(false, None);
         let plain = Effects::default();
-        let loss = Effects {
+        let blurs = Effects {
             field_loss: true,
+            astigmatism: true,
             ..plain
         };
         let stage = ShaderStages::COMPUTE;
@@ -103,7 +104,7 @@ impl Default for FieldPasses {
             update: ComputePass::new(
                 "update_field",
                 shaders::UPDATE_FIELD,
-                loss,
+                blurs,
                 &BindGroupLayoutEntries::sequential(
                     stage,
                     (numbers(), texel(), reads(), changes()),

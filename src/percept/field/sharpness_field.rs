@@ -10,6 +10,10 @@
 //! is a `u32` *key*: an update is one minimum, starving costs nothing, a blink is one counter. Cells
 //! exist only where something was seen ([`SparseField`]; on the GPU an open-addressed table).
 //!
+//! An astigmatic eye's blur has a direction. Its axis is the eye's; how much longer than wide it was
+//! ([`super::super::present::gather::blur_elongation`]) rides in the key's last seven bits, below all
+//! that orders: whichever sight was the sharpest brings its own.
+//!
 //! Twins of the pure functions: `shaders/lib/sharpness_key.wgsl` and `sharpness_voxel.wgsl`. The GPU
 //! takes logarithms in f32, so its key may differ from the one here by one step.
 //!
@@ -17,6 +21,7 @@
 //! circle of confusion is off by at most 1.5 steps, 0.037 %. It is clamped to 1e-6 rad … 8.9 rad.
 
 use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
 
 /// Steps of the key per nat of blur.
 pub const STEPS_PER_NAT: f64 = 4096.0;
@@ -24,10 +29,18 @@ pub const STEPS_PER_NAT: f64 = 4096.0;
 pub const LN_MIN: f64 = -13.815_510_558;
 /// Steps from there to the most blurred, 8.9 rad.
 pub const LN_STEPS_MAX: u32 = 65_535;
-/// Starvation that one epoch can hold, in steps.
-pub const STARVE_STEPS_MAX: u32 = 16_700_000;
+/// Starvation that one epoch can hold, in steps: 495 nats, 14 minutes at 0.6 1/s.
+pub const STARVE_STEPS_MAX: u32 = 2_030_000;
 /// Largest value below the epoch; the one above marks a voxel never seen.
-pub const VALUE_MAX: u32 = 0xFF_FFFE;
+pub const VALUE_MAX: u32 = 0x1F_FFFE;
+/// The last blink epoch; the one after it is 0 again, and what was seen before is wiped out by a pass.
+pub const EPOCH_MAX: u8 = 15;
+/// Bits below the value, which hold the elongation.
+pub const ELONGATION_BITS: u32 = 7;
+/// Steps of a right angle in which the elongation's arcsine is kept.
+pub const ELONGATION_STEPS: f64 = 63.0;
+/// What stands there for a disc.
+const DISC: u32 = 64;
 /// Key of a voxel never seen.
 pub const NEVER_SEEN: u32 = u32::MAX;
 /// Largest relative error of a circle of confusion that went through a key.
@@ -37,29 +50,48 @@ pub const FAR_M: f64 = 1000.0;
 const LEVEL_UNIFORM: i32 = 1000;
 const LEVEL_SKY: i32 = 1001;
 /// Starvation at which the clock asks for a rebase: some minutes before the key would saturate.
-const REBASE_STEPS: u32 = 16_000_000;
+const REBASE_STEPS: u32 = 1_600_000;
 
-/// Bits of a blink epoch: a newer one is smaller.
+/// Bits of a blink epoch (at most [`EPOCH_MAX`]): a newer one is smaller.
 pub fn sharpness_epoch_bits(epoch: u8) -> u32 {
-    u32::from(u8::MAX - epoch) << 24
+    u32::from(EPOCH_MAX - epoch.min(EPOCH_MAX)) << 28
 }
 
-/// Key of a circle of confusion (rad) seen now. What is not a number counts as wholly blurred.
-pub fn sharpness_key_encode(coc_rad: f64, starve_steps: u32, epoch: u8) -> u32 {
+/// The value in a key, and whether the voxel has been seen in this epoch.
+fn parts(key: u32, epoch: u8) -> (u32, bool) {
+    let value = (key >> ELONGATION_BITS) & 0x1F_FFFF;
+    let is_of_epoch = key & 0xF000_0000 == sharpness_epoch_bits(epoch);
+    (value, is_of_epoch && value <= VALUE_MAX)
+}
+
+/// Seven bits for an elongation (−1 to 1), by its arcsine; what is not a number is round.
+pub fn elongation_encode(elongation: f64) -> u32 {
+    let turn = elongation.clamp(-1.0, 1.0).asin() * (ELONGATION_STEPS / FRAC_PI_2);
+    let turn = if turn.is_nan() { 0.0 } else { turn };
+    ((turn + 0.5).floor() + f64::from(DISC)) as u32
+}
+
+/// The elongation that [`elongation_encode`] has kept, within 1/126 of a right angle of its arcsine.
+pub fn elongation_decode(code: u32) -> f64 {
+    ((f64::from(code) - f64::from(DISC)) * (FRAC_PI_2 / ELONGATION_STEPS)).sin()
+}
+
+/// Key of a circle of confusion (rad) of this elongation (−1 to 1) seen now. What is not a number counts
+/// as wholly blurred, and as round.
+pub fn sharpness_key_encode(coc_rad: f64, elongation: f64, starve_steps: u32, epoch: u8) -> u32 {
     let coc = if coc_rad.is_nan() { f64::MAX } else { coc_rad };
     let ln_steps = (coc.max(1e-6).ln() - LN_MIN) * STEPS_PER_NAT;
     let value = (ln_steps + 0.5).clamp(0.0, f64::from(LN_STEPS_MAX)) as u32
         + STARVE_STEPS_MAX.saturating_sub(starve_steps);
-    sharpness_epoch_bits(epoch) | value
+    sharpness_epoch_bits(epoch) | value << ELONGATION_BITS | elongation_encode(elongation)
 }
 
 /// Circle of confusion (rad) now of a voxel with this key, at most `cap_rad`; the cap itself for a
 /// voxel not seen since the last blink.
 pub fn sharpness_key_decode(key: u32, starve_steps: u32, epoch: u8, cap_rad: f64) -> f64 {
-    let value = key & 0xFF_FFFF;
-    if key & 0xFF00_0000 != sharpness_epoch_bits(epoch) || value > VALUE_MAX {
+    let (value, true) = parts(key, epoch) else {
         return cap_rad;
-    }
+    };
     let remaining = STARVE_STEPS_MAX.saturating_sub(starve_steps);
     let ln_steps = value.saturating_sub(remaining).min(81_920);
     (f64::from(ln_steps) / STEPS_PER_NAT + LN_MIN)
@@ -67,14 +99,25 @@ pub fn sharpness_key_decode(key: u32, starve_steps: u32, epoch: u8, cap_rad: f64
         .min(cap_rad)
 }
 
+/// Elongation (−1 to 1) with which a voxel of this key was seen; 0 for one not seen since the last
+/// blink. Its arcsine is kept in steps of 1/63 of a right angle, so that near a line (±1) the shorter
+/// diameter is within 1.3 % of the longer one.
+pub fn sharpness_key_elongation(key: u32, epoch: u8) -> f64 {
+    let is_of_epoch = key & 0xF000_0000 == sharpness_epoch_bits(epoch);
+    if !is_of_epoch || key == NEVER_SEEN {
+        return 0.0;
+    }
+    elongation_decode(key & 0x7F)
+}
+
 /// The same key after the clock has been set back to R = 0 within its epoch; `u32::MAX` forgets all.
 pub fn sharpness_key_rebase(key: u32, rebase_steps: u32, epoch: u8) -> u32 {
-    let value = key & 0xFF_FFFF;
-    let kept = key & 0xFF00_0000 == sharpness_epoch_bits(epoch) && value <= VALUE_MAX;
-    if rebase_steps == u32::MAX || !kept {
+    let (value, is_kept) = parts(key, epoch);
+    if rebase_steps == u32::MAX || !is_kept {
         return NEVER_SEEN;
     }
-    sharpness_epoch_bits(epoch) | (value + rebase_steps.min(STARVE_STEPS_MAX)).min(VALUE_MAX)
+    let shifted = (value + rebase_steps.min(STARVE_STEPS_MAX)).min(VALUE_MAX);
+    sharpness_epoch_bits(epoch) | shifted << ELONGATION_BITS | (key & 0x7F)
 }
 
 /// Rate r (1/s) at which blur grows when every one of `steps_per_s` steps adds `fraction` of it:
@@ -111,7 +154,7 @@ impl SharpnessClock {
     }
 
     /// Lets `dt_s` seconds pass at `rate_per_s` (1/s). Negative or non-finite values pass no time.
-    /// Returns the pass that is due once in about 1.8 hours without a blink.
+    /// Returns the pass that is due once in about 11 minutes without a blink.
     #[must_use]
     pub fn advance(&mut self, dt_s: f64, rate_per_s: f64) -> Option<Rebase> {
         let starved = dt_s * rate_per_s;
@@ -122,16 +165,17 @@ impl SharpnessClock {
         if steps < REBASE_STEPS {
             return None;
         }
-        self.starved_nats = 0.0;
+        // What is less than a step stays, or every pass would add its rounding to all that is remembered.
+        self.starved_nats -= f64::from(steps) / STEPS_PER_NAT;
         Some(Rebase { steps })
     }
 
-    /// Forgets everything seen: one counter, and once in 256 blinks the pass that is returned.
+    /// Forgets everything seen: one counter, and once in 16 blinks the pass that is returned.
     #[must_use]
     pub fn blink(&mut self) -> Option<Rebase> {
         self.starved_nats = 0.0;
-        if let Some(next) = self.epoch.checked_add(1) {
-            self.epoch = next;
+        if self.epoch < EPOCH_MAX {
+            self.epoch += 1;
             return None;
         }
         self.epoch = 0;
@@ -200,7 +244,7 @@ pub struct SparseField {
 impl SparseField {
     /// Takes a voxel's circle of confusion (rad) of this moment.
     pub fn update(&mut self, voxel: Voxel, coc_rad: f64, clock: &SharpnessClock) {
-        let key = sharpness_key_encode(coc_rad, clock.starve_steps(), clock.epoch());
+        let key = sharpness_key_encode(coc_rad, 0.0, clock.starve_steps(), clock.epoch());
         let held = self.keys.entry(voxel).or_insert(NEVER_SEEN);
         *held = key.min(*held);
     }

@@ -13,6 +13,7 @@
 //! blur), and blurred nearer surfaces are laid over what is behind them with the coverage that their
 //! own Gaussians give (near blur spreads over far sharpness).
 
+use super::gather_ellipse::ellipse_variances;
 use crate::optics::smoothstep::smoothstep;
 
 /// Deviations at which the window of the taps reaches zero.
@@ -182,15 +183,58 @@ pub struct View<'a> {
     pub vergence_d: &'a [f32],
     /// Blur diameter, pixels.
     pub blur_px: &'a [f32],
+    /// How blur is longer than wide, where it has a direction.
+    pub astigmatism: Option<Elongated<'a>>,
+}
+
+/// Blur of an astigmatic eye.
+#[derive(Clone, Copy, Debug)]
+pub struct Elongated<'a> {
+    /// Elongation of every pixel's blur, −1 to 1 ([`crate::optics::defocus::astigmatic_blur`]).
+    pub elongation: &'a [f32],
+    /// Direction of the minus cylinder's axis in the image: from its columns towards its rows, which run
+    /// down, rad.
+    pub axis_rad: f64,
+}
+
+/// A blur: its deviations, pixels², along an axis of the image and across it.
+#[derive(Clone, Copy)]
+struct Kernel {
+    variances: [f64; 2],
+    axis: [f64; 2],
+}
+
+impl Kernel {
+    fn exponent(&self, dx: f64, dy: f64) -> f64 {
+        let along = dx * self.axis[0] + dy * self.axis[1];
+        let across = dx * self.axis[1] - dy * self.axis[0];
+        -0.5 * (along * along / self.variances[0] + across * across / self.variances[1])
+    }
+
+    /// The Gaussian at an offset, 1 in its middle.
+    fn at(&self, dx: f64, dy: f64) -> f64 {
+        self.exponent(dx, dy).exp()
+    }
+
+    /// Its integral over all pixels.
+    fn area(&self) -> f64 {
+        std::f64::consts::TAU * (self.variances[0] * self.variances[1]).sqrt()
+    }
+
+    fn longest_px(&self) -> f64 {
+        self.variances[0].max(self.variances[1]).sqrt()
+    }
 }
 
 impl View<'_> {
     fn is_consistent(&self) -> bool {
         let pixels = self.width.checked_mul(self.height);
+        let elongation = self.astigmatism.map(|of| of.elongation.len());
         [
             self.radiance.len(),
             self.vergence_d.len(),
             self.blur_px.len(),
+            elongation.unwrap_or(self.blur_px.len()),
         ]
         .iter()
         .all(|n| Some(*n) == pixels)
@@ -200,9 +244,20 @@ impl View<'_> {
         0.25 * f64::from(self.blur_px[at])
     }
 
-    /// Calls `visit(pixel, r²)` for every place within a radius, pixels beyond the border being the
+    /// A pixel's blur; each deviation at least `least_px`.
+    fn kernel(&self, at: usize, least_px: f64) -> Kernel {
+        let elongation = self.astigmatism.map_or(0.0, |of| of.elongation[at].into());
+        let (sin, cos) = self.astigmatism.map_or(0.0, |of| of.axis_rad).sin_cos();
+        let variances = ellipse_variances(self.blur_px[at].into(), elongation);
+        Kernel {
+            variances: variances.map(|variance| variance.max(least_px * least_px)),
+            axis: [cos, sin],
+        }
+    }
+
+    /// Calls `visit(pixel, [dx, dy])` for every place within a radius, pixels beyond the border being the
     /// border's own.
-    fn around(&self, x: usize, y: usize, radius_px: f64, mut visit: impl FnMut(usize, f64)) {
+    fn around(&self, x: usize, y: usize, radius_px: f64, mut visit: impl FnMut(usize, [f64; 2])) {
         let reach = radius_px.ceil() as isize;
         for dy in -reach..=reach {
             for dx in -reach..=reach {
@@ -210,7 +265,7 @@ impl View<'_> {
                 if distance2 <= radius_px * radius_px {
                     let column = x.saturating_add_signed(dx).min(self.width - 1);
                     let row = y.saturating_add_signed(dy).min(self.height - 1);
-                    visit(row * self.width + column, distance2);
+                    visit(row * self.width + column, [dx as f64, dy as f64]);
                 }
             }
         }
@@ -237,20 +292,22 @@ pub fn reference_gather(view: &View<'_>) -> Vec<[f64; 3]> {
 fn gather_own(view: &View<'_>, x: usize, y: usize) -> [f64; 3] {
     let at = y * view.width + x;
     let centre = view.radiance[at].map(f64::from);
-    let sigma = view.sigma_px(at);
-    if sigma < 0.25 * COPY_DIAMETER_PX {
+    let own = view.kernel(at, 1e-9);
+    if own.longest_px() < 0.25 * COPY_DIAMETER_PX {
         return centre;
     }
     let vergence = f64::from(view.vergence_d[at]);
     // The pixel itself always counts a little, so that the sum of weights is never zero.
     let (mut sum, mut total) = (centre.map(|c| 1e-3 * c), 1e-3);
-    view.around(x, y, 5.0 * sigma, |tap, distance2| {
-        let mut weight = (-0.5 * distance2 / (sigma * sigma)).exp();
+    view.around(x, y, 5.0 * own.longest_px(), |tap, [dx, dy]| {
+        let mut weight = own.at(dx, dy);
         let near = nearness(f64::from(view.vergence_d[tap]), vergence);
-        if near > 0.0 && distance2 > 0.0 {
-            let tap_sigma = view.sigma_px(tap).clamp(0.3_f64.min(sigma), sigma);
-            let reach = (-0.5 * distance2 / (tap_sigma * tap_sigma)).exp();
-            weight += (reach - weight) * near;
+        if near > 0.0 && (dx, dy) != (0.0, 0.0) {
+            let mut reach = view.kernel(tap, 0.0);
+            for (narrow, wide) in reach.variances.iter_mut().zip(own.variances) {
+                *narrow = narrow.clamp(0.09_f64.min(wide), wide);
+            }
+            weight += (reach.at(dx, dy) - weight) * near;
         }
         for (s, c) in sum.iter_mut().zip(view.radiance[tap]) {
             *s += weight * f64::from(c);
@@ -267,13 +324,11 @@ fn spread_near(view: &View<'_>, x: usize, y: usize, own: [f64; 3]) -> [f64; 3] {
     let sigma = view.sigma_px(at).max(0.5);
     let radius = SPREAD_RADIUS * SPREAD_SIGMA_MAX_PX;
     let (mut covered, mut alpha) = ([0.0; 3], 0.0);
-    view.around(x, y, radius, |tap, distance2| {
+    view.around(x, y, radius, |tap, [dx, dy]| {
         let near = nearness(f64::from(view.vergence_d[tap]), vergence);
-        let tap_sigma = view.sigma_px(tap);
-        if near > 0.0 && tap_sigma > sigma {
-            let variance = tap_sigma * tap_sigma;
-            let weight =
-                near * (-0.5 * distance2 / variance).exp() / (std::f64::consts::TAU * variance);
+        if near > 0.0 && view.sigma_px(tap) > sigma {
+            let kernel = view.kernel(tap, 1e-9);
+            let weight = near * kernel.at(dx, dy) / kernel.area();
             for (s, c) in covered.iter_mut().zip(view.radiance[tap]) {
                 *s += weight * f64::from(c);
             }

@@ -2,6 +2,7 @@
 //! section 5).
 
 pub mod gather;
+pub mod gather_ellipse;
 pub(super) mod hand_on;
 pub(super) mod perceive;
 pub mod veil;
@@ -41,15 +42,16 @@ impl Default for PresentPasses {
         let changes = || storage_buffer_sized(false, None);
         let filtering = || sampler(SamplerBindingType::Filtering);
         let plain = Effects::default();
-        let loss = Effects {
+        let blurs = Effects {
             field_loss: true,
+            astigmatism: true,
             ..plain
         };
         Self {
             read_blur: ComputePass::new(
                 "read_blur",
                 shaders::READ_BLUR,
-                loss,
+                blurs,
                 &BindGroupLayoutEntries::sequential(
                     ShaderStages::COMPUTE,
                     (
@@ -69,6 +71,7 @@ impl Default for PresentPasses {
                 Effects {
                     field_loss: true,
                     media: true,
+                    astigmatism: true,
                 },
                 &BindGroupLayoutEntries::sequential(
                     ShaderStages::FRAGMENT,

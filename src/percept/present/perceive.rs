@@ -183,7 +183,11 @@ fn frame_of(
     uniform.target_size = shows.size.as_vec2().to_array();
     uniform.fixation = gaze.direction().as_vec3().to_array();
     uniform.focus_vergence_d = accommodation.response_d as f32;
-    uniform.refraction_d = refraction.0.spherical_equivalent_d() as f32;
+    let error = refraction.0.power_vector();
+    uniform.refraction_d = error.m_d as f32;
+    // The eye's top leans to the patient's right by its torsion.
+    let seen = error.in_view().turned(-gaze.torsion_rad);
+    [uniform.j0_d, uniform.j45_d] = [seen.j0_d as f32, seen.j45_d as f32];
     let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.0.depth_mm);
     uniform.pupil_m = (entrance_mm * 1e-3) as f32;
     let own_lids = &own_lids.0;

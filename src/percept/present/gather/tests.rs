@@ -185,6 +185,7 @@ impl Picture {
             radiance: &self.radiance,
             vergence_d: &self.vergence,
             blur_px: &self.blur,
+            astigmatism: None,
         })
     }
 }
@@ -264,6 +265,7 @@ fn inconsistent_views_give_nothing() {
         radiance: &[[0.0; 3]; 4],
         vergence_d: &[0.0; 3],
         blur_px: &[0.0; 4],
+        astigmatism: None,
     };
     assert_eq!(reference_gather(&view), Vec::<[f64; 3]>::new());
 }
