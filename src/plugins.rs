@@ -21,8 +21,8 @@ pub mod prelude {
     pub use super::OculariumPlugins;
     pub use crate::anatomy::{
         Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
-        Laterality, Lens, Lids, OcularMedia, Patient, Pupil, PupilControl, Refraction, Sclera,
-        Skin,
+        Laterality, Lens, Lids, Look, OcularMedia, Patient, Pupil, PupilControl, Refraction,
+        Sclera, Skin,
     };
     pub use crate::appearance::{EyeLight, EyeModel, EyeSurroundings, Studio, StudioLight};
     pub use crate::conditions::{

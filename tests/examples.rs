@@ -75,3 +75,21 @@ fn a_wrong_command_line_is_said() {
     let text = String::from_utf8_lossy(&said.stderr);
     assert!(text.contains("--frames \"none\""), "{text}");
 }
+
+#[test]
+#[cfg(all(unix, not(target_os = "macos")))]
+fn without_a_display_a_sentence_is_said() {
+    let said = Command::new(example("two_patients"))
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap_or_else(|error| panic!("{error}; cargo test builds the examples"));
+    let sentence = String::from_utf8_lossy(&said.stderr);
+    assert_eq!(said.status.code(), Some(1), "{sentence}");
+    assert!(
+        sentence.contains("no display")
+            && sentence.contains("--frames")
+            && !sentence.contains("panicked"),
+        "{sentence}"
+    );
+}

@@ -414,6 +414,16 @@ const CHANGES: &[Change] = &[
         [true, true],
     ),
     (
+        "Look",
+        |w, eye, _| with(w, eye, |look: &mut Look| look.iris_brightness = 3.0),
+        [true, false],
+    ),
+    (
+        "usual Look",
+        |w, eye, _| with(w, eye, |look: &mut Look| *look = Look::default()),
+        [true, false],
+    ),
+    (
         "free pupils",
         |w, _, patient| with(w, patient, |p: &mut PupilControl| p.fixed_mm = None),
         [true, true],
@@ -452,6 +462,17 @@ const CHANGES: &[Change] = &[
                     light: StudioLight::Lamp,
                     ..Studio::default()
                 });
+            }
+        },
+        [true, false],
+    ),
+    (
+        "EyeOrbit",
+        |w, _, _| {
+            // Near enough to see how fine the maps are.
+            let mut orbits = w.query::<&mut ocularium::appearance::EyeOrbit>();
+            for mut orbit in orbits.iter_mut(w) {
+                orbit.distance_mm = 35.0;
             }
         },
         [true, false],

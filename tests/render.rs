@@ -1,6 +1,7 @@
 //! What is rendered: the same for the same seed at every frame rate, both panels on one clock, the
 //! pictures as they were approved, and something to see for every legal patient.
 
+mod artists;
 mod foreshortening;
 mod golden;
 

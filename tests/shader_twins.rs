@@ -7,6 +7,7 @@
 //! may be as far off as the rounding of its inputs explains, for the share of inputs given.
 
 use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
+mod artistic;
 mod error_map;
 mod eye_light;
 mod iris_light;

@@ -271,8 +271,9 @@ fn library_functions_are_called_or_waiting() {
 }
 
 /// The tests that run a function beside its twin.
-const TWINS: [&str; 11] = [
+const TWINS: [&str; 12] = [
     include_str!("shader_twins.rs"),
+    include_str!("shader_twins/artistic.rs"),
     include_str!("shader_twins/error_map.rs"),
     include_str!("shader_twins/eye_light.rs"),
     include_str!("shader_twins/iris_light.rs"),

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "no example uses all of it")]
 
 use bevy::prelude::*;
+use ocularium::lab::display::require_display;
 use ocularium::lab::headless::require_device;
 use ocularium::lab::record::{Recording, USAGE};
 
@@ -18,7 +19,12 @@ pub fn recording(shows: &str) -> Option<Recording> {
             eprintln!("{sentence}");
             std::process::exit(2);
         });
-    if let Err(error) = require_device() {
+    let fault = require_device().map_err(|error| error.to_string());
+    let fault = match recording {
+        Some(_) => fault,
+        None => fault.and_then(|()| require_display()),
+    };
+    if let Err(error) = fault {
         eprintln!("{error}");
         std::process::exit(1);
     }

@@ -6,6 +6,27 @@
 // relief; the light takes the two-point path (section 3), and its
 // concentration by the cornea is the Jacobian of that path.
 
+// An artist's changes: see src/anatomy/look.rs.
+struct Look {
+    iris_brightness: f32,
+    iris_size: f32,
+    refraction: f32,
+    caustic_scale: f32,
+    caustic_power: f32,
+    cornea_roughness: f32,
+    cornea_specularity: f32,
+    limbus_dark: f32,
+    limbus_power: f32,
+    limbus_color_mm: f32,
+    limbus_shading_mm: f32,
+    white_brightness: f32,
+    white_roughness: f32,
+    white_specularity: f32,
+    white_relief: f32,
+    white_relief_size: f32,
+    matcap: f32,
+};
+
 struct Globe {
     lids: Lids,
     // Rotation from the eye frame to the head frame, columns.
@@ -48,6 +69,7 @@ struct Globe {
     // How deep its furrows are.
     iris_furrows: f32,
     tissue: IrisTissue,
+    look: Look,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> globe: Globe;
@@ -74,20 +96,33 @@ fn head_from_eye() -> mat3x3f {
 #ifdef CORNEA
 // What is seen through the cornea: iris and pupil, dimmed by the two interfaces.
 fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidShade) -> vec3f {
-    let trace = cornea_trace(origin, direction, globe.anterior, globe.posterior, globe.thickness_mm, globe.cornea_index, globe.aqueous_index, globe.iris_depth_mm);
+#ifdef ARTISTIC
+    let indices = mix(vec2f(1.0), vec2f(globe.cornea_index, globe.aqueous_index), globe.look.refraction);
+    let size = globe.look.iris_size;
+#else
+    let indices = vec2f(globe.cornea_index, globe.aqueous_index);
+    let size = 1.0;
+#endif
+    let trace = cornea_trace(origin, direction, globe.anterior, globe.posterior, globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
     if trace.valid < 0.5 {
         return vec3f(0.02, 0.018, 0.016);
     }
     let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, globe.iris_thicken, globe.iris_furrows);
-    let place = iris_place(trace.point.xy, iris);
-    let surface = iris_surface(iris_map, iris_sampler, iris, trace.point.xy, trace.direction, place, footprint);
+    let at = trace.point.xy / size;
+    let place = iris_place(at, iris);
+    let surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
     var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * ambient(-head_from_eye()[2]) * shade.sky;
     var lamps = vec3f(0.0);
     for (var i = 0; i < LAMPS; i++) {
         let lamp = illumination.lamps[i];
         let color = lamp.color * shade.key;
         // A row times the turn into the head is the column times the turn out of it.
-        lit += color * iris_lamp(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.tissue, surface, lamp.direction * head_from_eye());
+        var concentrated = 1.0;
+#ifdef ARTISTIC
+        let own = iris_light(light_table, reflectance_sampler, lamp.direction * head_from_eye(), surface.at, globe.iris_root_mm, globe.limbus_mm).w;
+        concentrated = caustic_change(own, globe.look.caustic_scale, globe.look.caustic_power);
+#endif
+        lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.tissue, surface, lamp.direction * head_from_eye());
         lamps += color;
     }
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
@@ -97,6 +132,9 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #endif
     // Radiance spreads where it leaves the aqueous; what the lens sends back is as it is seen from outside.
     lit /= globe.aqueous_index * globe.aqueous_index;
+#ifdef ARTISTIC
+    lit *= globe.look.iris_brightness;
+#endif
     let inside = iris_and_pupil(pupil_radiance(lamps, lens), lit, edge, place.uv.y);
     return inside * trace.transmittance;
 }
@@ -124,9 +162,15 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     if t > 0.0 {
         let hit = origin + t * direction;
         let r = length(hit.xy);
+#ifdef ARTISTIC
+        corneal = limbus_share(limbus_place(r, globe.limbus_mm, globe.look.limbus_color_mm), globe.limbus_mm);
+        let shaped = limbus_share(limbus_place(r, globe.limbus_mm, globe.look.limbus_shading_mm), globe.limbus_mm);
+#else
         corneal = limbus_share(r, globe.limbus_mm);
+        let shaped = corneal;
+#endif
         if r < globe.limbus_mm { p = hit + apex; }
-        normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior.x, globe.anterior.y), corneal);
+        normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior.x, globe.anterior.y), shaped);
     }
 #endif
     var shade = lid_shade(globe.lids, head_from_eye() * p);
@@ -141,19 +185,33 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var specular = vec3f(0.0);
     var wet_normal = normal;
     if corneal < 1.0 {
-        let sclera = sclera_surface(sclera_map, vessel_map, sclera_sampler, p, normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
+        var sclera = sclera_surface(sclera_map, vessel_map, sclera_sampler, p, normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
+#ifdef ARTISTIC
+        let aside = sclera_surface(sclera_map, vessel_map, sclera_sampler, relief_place(p, globe.look.white_relief_size), normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
+        sclera.normal = normalize(normal + (aside.normal - normal) * globe.look.white_relief);
+        sclera.albedo *= globe.look.white_brightness;
+#endif
         wet_normal = normalize(mix(sclera.normal, normal, corneal));
 #ifdef CONJUNCTIVA
         // Where it is thick it is lumpy: its wet surface breaks what it mirrors.
-        wet_normal = normalize(normal + (sclera.normal - normal) * (1.0 + 5.0 * in.tissue.b));
+        wet_normal = normalize(normal + (sclera.normal - normal) * (1.0 + 3.0 * in.tissue.b));
 #endif
         let n_white = head_from_eye() * sclera.normal;
         let n_wet = head_from_eye() * wet_normal;
+#ifdef CONJUNCTIVA
+        // And its papillae spread it.
+        var roughness = 0.24 + 0.14 * in.tissue.b;
+#else
+        var roughness = 0.24;
+#endif
+#ifdef ARTISTIC
+        roughness += globe.look.white_roughness - 0.24;
+#endif
         var light = ambient(n_white) * shade.sky;
         for (var i = 0; i < LAMPS; i++) {
             let lamp = illumination.lamps[i];
             light += lamp.color * shade.key * sclera_lamp(dot(n_white, lamp.direction));
-            let alpha = lamp_alpha(0.24, 0.0625 * lamp.radius);
+            let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius);
             specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * shade.key * (1.0 - corneal));
         }
         var albedo = sclera.albedo;
@@ -164,13 +222,33 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     }
 #ifdef CORNEA
     if corneal > 0.0 {
-        diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * limbus_tint(corneal);
+#ifdef ARTISTIC
+        let ring = pow(limbus_tint(pow(corneal, globe.look.limbus_power)), vec3f(globe.look.limbus_dark));
+#else
+        let ring = limbus_tint(corneal);
+#endif
+        diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * ring;
     }
 #endif
 
     let n_head = normalize(head_from_eye() * wet_normal);
-    let blur = mix(0.16, 0.012, corneal);
+#ifdef CONJUNCTIVA
+    let broken = 0.16 + 0.2 * in.tissue.b;
+#else
+    let broken = 0.16;
+#endif
+#ifdef ARTISTIC
+    let blur = mix(broken * globe.look.white_roughness / 0.24, globe.look.cornea_roughness, corneal);
+    specular *= globe.look.white_specularity;
+    let strength = mix(globe.look.white_specularity, globe.look.cornea_specularity, corneal);
+    // As if the eye were seen from far away along the middle of the picture.
+    let along = normalize((head_from_eye() * camera));
+    specular += 0.25 * globe.look.matcap * mirrored(reflect(-along, n_head), 0.05);
+#else
+    let blur = mix(broken, 0.012, corneal);
+    let strength = 1.0;
+#endif
     let around = mirrored(reflect(-v_head, n_head), blur);
-    specular += tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, globe.lipid_nm, shade.upper_gap);
+    specular += strength * tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, globe.lipid_nm, shade.upper_gap);
     return vec4f(shown(diffuse + specular), 1.0);
 }

@@ -42,3 +42,10 @@ fn iris_sky(sky: array<vec4<f32>, 8>, radius: f32, root_mm: f32) -> f32 {
     let next = below + 1;
     return mix(values[below / 4][below % 4], values[next / 4][next % 4], place - f32(below));
 }
+
+// By how much light on the iris changes where the cornea's concentration of it, `own` times, is taken to this power and its
+// excess over an even light is scaled.
+fn caustic_change(own: f32, scale: f32, power: f32) -> f32 {
+    let wanted = 1.0 + (pow(max(own, 0.0), power) - 1.0) * scale;
+    return max(wanted, 0.0) / max(own, 1e-2);
+}

@@ -2,7 +2,7 @@
 
 // Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
 fn limbus_share(r: f32, limbus_radius: f32) -> f32 {
-    return smoothstep(limbus_radius + 0.30, limbus_radius - 0.75, r);
+    return smoothstep(limbus_radius + 0.27, limbus_radius - 0.63, r);
 }
 
 // The surface's normal there: the globe's outside, the cornea's own from a third of the way in.
@@ -14,4 +14,9 @@ fn limbus_normal(globe: vec3f, cornea: vec3f, share: f32) -> vec3f {
 fn limbus_tint(share: f32) -> vec3f {
     let ring = share * (1.0 - share) * 4.0;
     return mix(vec3f(1.0), vec3f(0.62, 0.66, 0.72), ring * 0.75);
+}
+
+// How far from the axis a place counts as being where the transition is `width` mm wide and not 0.9.
+fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
+    return limbus_radius + (r - limbus_radius) * (0.9 / max(width, 1e-3));
 }

@@ -88,3 +88,12 @@ fn sclera_surface(colors: texture_2d<f32>, vessels: texture_2d<f32>, linear: sam
     let albedo = ground * vessel_filter(here.r, shadow, deep, above);
     return ScleraSurface(albedo, sclera_normal(normal, right - here.b, upper - here.b, step * side * texel));
 }
+
+// The place whose relief a point p of the white has where it is `size` times as large, about the middle of the map.
+fn relief_place(p: vec3f, size: f32) -> vec3f {
+    let n = normalize(p);
+    let across = length(n.xy);
+    let angle = min(acos(clamp(-n.z, -1.0, 1.0)) / max(size, 1e-3), SCLERA_HALF_ANGLE);
+    let aside = select(vec2f(0.0), n.xy / max(across, 1e-6), across > 1e-6);
+    return length(p) * vec3f(sin(angle) * aside, -cos(angle));
+}

@@ -7,7 +7,7 @@
 //! | | anatomy | state |
 //! |---|---|---|
 //! | person | [`Patient`], [`Skin`], [`PupilControl`], [`Adaptation`] | [`Eyelids`] |
-//! | eye | [`Eye`], [`Cornea`], [`Iris`], [`Lens`], [`Refraction`], [`Sclera`], [`Lids`] | [`Gaze`], [`Pupil`], [`Accommodation`] |
+//! | eye | [`Eye`], [`Cornea`], [`Iris`], [`Lens`], [`Refraction`], [`Sclera`], [`Lids`], [`super::Look`] | [`Gaze`], [`Pupil`], [`Accommodation`] |
 
 use super::gaze::GazeAngles;
 use crate::optics::defocus::PowerVector;
@@ -119,7 +119,16 @@ impl Eyes {
 /// An eye's globe.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
-#[require(Lens, Refraction, Sclera, Lids, Gaze, Pupil, Accommodation)]
+#[require(
+    Lens,
+    Refraction,
+    Sclera,
+    Lids,
+    super::Look,
+    Gaze,
+    Pupil,
+    Accommodation
+)]
 pub struct Eye {
     /// Right or left eye.
     pub laterality: Laterality,

@@ -10,6 +10,7 @@
 
 mod components;
 pub mod gaze;
+mod look;
 mod media;
 pub mod visual_field;
 
@@ -17,6 +18,7 @@ pub use components::{
     Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
     Laterality, Lens, Lids, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
+pub use look::Look;
 pub use media::{CAPSULE_BEAM, LENS_DISC_MM, MEASURED_PUPIL_MM, OcularMedia};
 pub use visual_field::VisualField;
 

@@ -94,7 +94,7 @@ fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
-    let patient = load_patient(&shown.patient)?;
+    let patient = shown.stage.of(load_patient(&shown.patient)?);
     let options = photo_options(shown)?;
     let source = SceneSource::parse(&shown.scene, shown.depth.as_deref())?;
     if !matches!(source, SceneSource::Photo { .. }) && (shown.at.is_some() || shown.span.is_some())

@@ -112,7 +112,7 @@ pub fn run(
     own: crate::ui::OwnScene,
 ) -> Result<(), WindowError> {
     #[cfg(all(unix, not(target_os = "macos")))]
-    if let Some(reason) = display_fault() {
+    if let Some(reason) = crate::lab::display::display_fault() {
         return Err(WindowError::NoDisplay(reason));
     }
     // Bevy leaves signals alone where Ctrl-C is ignored, as scripts have it for what they start beside them;
@@ -139,36 +139,3 @@ pub fn run(
         (None, AppExit::Error(_)) => Err(WindowError::Failed),
     }
 }
-
-/// What is wrong with the X display, as the end of a clause; `None` where a window can be opened. The window
-/// library panics where it cannot.
-#[cfg(all(unix, not(target_os = "macos"), not(target_arch = "wasm32")))]
-fn display_fault() -> Option<String> {
-    let name = std::env::var_os("DISPLAY").filter(|name| !name.is_empty());
-    let Some(name) = name else {
-        return Some(String::new());
-    };
-    // What ./dev installs for a window, too; the window library loads them as it goes.
-    let missing: Vec<&str> = WINDOW_LIBRARIES
-        .into_iter()
-        // SAFETY: these libraries do nothing as they are loaded.
-        .filter(|name| unsafe { libloading::Library::new(name) }.is_err())
-        .collect();
-    if !missing.is_empty() {
-        return Some(format!(": {} cannot be loaded", missing.join(", ")));
-    }
-    let xlib = x11_dl::xlib::Xlib::open().ok()?;
-    // SAFETY: a null name means DISPLAY. It stays open: a display whose only guest leaves may start anew.
-    let opened = !unsafe { (xlib.XOpenDisplay)(std::ptr::null()) }.is_null();
-    (!opened).then(|| format!(": DISPLAY is {name:?}, and nothing answers there"))
-}
-
-/// Libraries that a window needs and that are loaded when it opens.
-#[cfg(all(unix, not(target_os = "macos"), not(target_arch = "wasm32")))]
-const WINDOW_LIBRARIES: [&str; 5] = [
-    "libX11.so.6",
-    "libX11-xcb.so.1",
-    "libXi.so.6",
-    "libXcursor.so.1",
-    "libxkbcommon-x11.so.0",
-];

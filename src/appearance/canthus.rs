@@ -19,8 +19,7 @@ pub const MENISCUS_STATIONS: usize = 65;
 /// Points across the meniscus.
 pub const MENISCUS_POINTS: usize = 5;
 
-/// How far the free edge of a corner grid, a thin sheet of conjunctiva, stands off the globe, mm: it ends
-/// where nothing parts it from what covers the globe.
+/// How far a corner grid, a thin sheet of conjunctiva, stands off the globe at least, mm.
 pub const EDGE_MM: f32 = 0.012;
 
 /// Which corner of the eye.
@@ -59,15 +58,17 @@ pub fn corner_tissue(corner: Corner, column: usize, row: usize) -> [f32; 2] {
 /// Caruncle: 1 at its top, with a few lobes.
 fn mound(s: f32, q: f32) -> f32 {
     let (ds, dq) = ((s - 0.36) / 0.21, (q - 0.47) / 0.36);
-    let lobes = 1.0 + 0.2 * (s * 40.0 + 2.0 * (q * 11.0).sin()).sin() * (q * 17.0 + 1.0).sin();
+    let lobes = 1.0 + 0.14 * (s * 19.0 + 1.3 * (q * 7.0).sin()).sin() * (q * 11.0 + 1.0).sin();
     (-(ds * ds + dq * dq)).exp() * lobes
 }
 
 /// Plica: a crescent whose horns point away from the nose.
 fn ridge(s: f32, q: f32) -> f32 {
-    let bow = 0.6 + 0.16 * (2.0 * q - 1.0).powi(2);
-    let side = (s - bow) / if s > bow { 0.055 } else { 0.12 };
-    (-side * side).exp()
+    let bow = 0.56 + 0.26 * (2.0 * q - 0.9).powi(2);
+    let side = (s - bow) / if s > bow { 0.1 } else { 0.17 };
+    // Its free edge is uneven.
+    let crest = 0.8 + 0.2 * (q * 13.0 + 2.0 * (q * 5.0).sin()).sin();
+    crest * (-side * side).exp()
 }
 
 /// One corner grid, row by row from the lower to the upper lid ([`CORNER_ROWS`] × [`CORNER_COLUMNS`]).
@@ -78,6 +79,8 @@ pub fn corner_grid(
     globe_radius: &dyn Fn(Vec3) -> f32,
     out: &mut [Vec3],
 ) {
+    // Lids that close come down over it.
+    let shut = 1.0 - smoothstep(0.0, 0.3, pose.aperture_of(Lid::Upper));
     for c in 0..CORNER_COLUMNS {
         let t = corner.t(c);
         let s = c as f32 / (CORNER_COLUMNS - 1) as f32;
@@ -92,19 +95,26 @@ pub fn corner_grid(
             let reach = -0.3 + 1.6 * q;
             let direction =
                 (lower.direction + (upper.direction - lower.direction) * reach).normalize_or_zero();
-            let edge = lower.lift_mm + (upper.lift_mm - lower.lift_mm) * q - 0.7 * (1.0 - room);
-            let floor = match corner {
-                Corner::Medial => edge * (1.0 - smoothstep(0.1, 0.8, s)) * 0.8,
-                Corner::Lateral => edge * (1.0 - smoothstep(0.1, 0.8, s)) * 0.85,
-            };
+            let edge =
+                lower.lift_mm + (upper.lift_mm - lower.lift_mm) * q - 0.7 * (1.0 - room) * shut;
+            // It leaves the globe as the margins do, lies deeper than they, and rises to them where they
+            // meet.
+            let share = 0.4 + 0.6 * (1.0 - smoothstep(0.0, 0.5, s));
+            let floor = edge * share;
             let rise = (2.0 * q - 1.0).abs().powi(3);
             let mut off = floor + (edge - 0.02 - floor) * rise;
             if corner == Corner::Medial {
-                off += room * (1.35 * mound(s, q) + 0.5 * ridge(s, q)) * (1.0 - rise);
+                off += room * (1.2 * mound(s, q) + 0.55 * ridge(s, q)) * (1.0 - rise);
             }
             // The sheet comes down onto the globe and goes on as what covers it.
-            off += (EDGE_MM - off) * smoothstep(0.38, 1.0, s);
-            out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off.max(EDGE_MM));
+            off += (EDGE_MM - off) * smoothstep(0.7, 1.0, s);
+            // Its very edge dips under the surface: from aside nobody looks below it.
+            let off = if c + 1 == CORNER_COLUMNS {
+                -EDGE_MM
+            } else {
+                off.max(EDGE_MM)
+            };
+            out[r * CORNER_COLUMNS + c] = direction * (globe_radius(direction) + off);
         }
     }
 }

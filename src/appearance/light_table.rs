@@ -31,6 +31,13 @@ pub fn iris_sky(sky: &[f64; SKY_RADII], radius: f64, root_mm: f64) -> f64 {
     sky[below] + (sky[below + 1] - sky[below]) * (place - below as f64)
 }
 
+/// By how much light on the iris changes where the cornea's concentration of it, `own` times, is taken to this
+/// power and its excess over an even light is scaled.
+pub fn caustic_change(own: f64, scale: f64, power: f64) -> f64 {
+    let wanted = 1.0 + (own.max(0.0).powf(power) - 1.0) * scale;
+    wanted.max(0.0) / own.max(1e-2)
+}
+
 /// Texels of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightTableSize {

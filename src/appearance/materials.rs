@@ -7,6 +7,7 @@
 
 use super::illumination::{Illumination, LightKey};
 use super::light_table::SKY_RADII;
+use super::look_uniform::LookUniform;
 use crate::frame::shaders;
 use crate::tissue::iris_reflectance::IrisTissue;
 use bevy::asset::{Asset, Handle};
@@ -103,6 +104,8 @@ pub struct GlobeUniform {
     pub iris_furrows: f32,
     /// What the iris is made of.
     pub tissue: IrisTissueUniform,
+    /// What an artist has changed.
+    pub look: LookUniform,
 }
 
 /// Struct `IrisTissue` of `shaders/lib/iris_shade.wgsl`, in f32.
@@ -156,11 +159,21 @@ pub enum GlobePart {
 
 /// Pipeline key of a [`GlobeMaterial`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct GlobeKey(GlobePart, bool, LightKey);
+pub struct GlobeKey {
+    part: GlobePart,
+    clouded: bool,
+    artistic: bool,
+    light: LightKey,
+}
 
 impl From<&GlobeMaterial> for GlobeKey {
     fn from(material: &GlobeMaterial) -> Self {
-        Self(material.part, material.clouded, material.illumination.key())
+        Self {
+            part: material.part,
+            clouded: material.clouded,
+            artistic: material.artistic,
+            light: material.illumination.key(),
+        }
     }
 }
 
@@ -172,6 +185,8 @@ pub struct GlobeMaterial {
     pub part: GlobePart,
     /// Is there anything in the lens that a healthy one has not?
     pub clouded: bool,
+    /// Has an artist changed anything?
+    pub artistic: bool,
     /// The numbers.
     #[uniform(0)]
     pub globe: GlobeUniform,
@@ -352,14 +367,21 @@ eye_material!(
     shaders::GLOBE,
     AlphaMode::Mask(0.0),
     |key| {
-        match key.bind_group_data {
-            GlobeKey(GlobePart::Sclera, ..) => vec![],
-            GlobeKey(GlobePart::Conjunctiva, ..) => vec!["CONJUNCTIVA"],
-            GlobeKey(GlobePart::Cornea, false, _) => vec!["CORNEA"],
-            GlobeKey(GlobePart::Cornea, true, _) => vec!["CORNEA", "CLOUDED"],
+        let key = key.bind_group_data;
+        let mut defines = match key.part {
+            GlobePart::Sclera => vec![],
+            GlobePart::Conjunctiva => vec!["CONJUNCTIVA"],
+            GlobePart::Cornea => vec!["CORNEA"],
+        };
+        if key.part == GlobePart::Cornea && key.clouded {
+            defines.push("CLOUDED");
         }
+        if key.artistic {
+            defines.push("ARTISTIC");
+        }
+        defines
     },
-    |key| key.bind_group_data.2
+    |key| key.bind_group_data.light
 );
 impl From<&SkinMaterial> for LightKey {
     fn from(material: &SkinMaterial) -> Self {
@@ -534,7 +556,33 @@ mod tests {
             tissue = IrisTissueUniform {
                 border: Vec3::splat(9.0),
                 ..IrisTissueUniform::default()
+            },
+            look = LookUniform {
+                iris_brightness: 9.0,
+                ..LookUniform::default()
             }
+        );
+        same!(
+            LookUniform,
+            shaders::GLOBE,
+            "Look",
+            iris_brightness = 9.0,
+            iris_size = 9.0,
+            refraction = 9.0,
+            caustic_scale = 9.0,
+            caustic_power = 9.0,
+            cornea_roughness = 9.0,
+            cornea_specularity = 9.0,
+            limbus_dark = 9.0,
+            limbus_power = 9.0,
+            limbus_color_mm = 9.0,
+            limbus_shading_mm = 9.0,
+            white_brightness = 9.0,
+            white_roughness = 9.0,
+            white_specularity = 9.0,
+            white_relief = 9.0,
+            white_relief_size = 9.0,
+            matcap = 9.0
         );
         same!(
             IrisTissueUniform,

@@ -25,6 +25,7 @@ pub mod lid_profile;
 pub mod lids;
 pub mod light_table;
 pub mod lighting;
+mod look_uniform;
 pub mod materials;
 mod mesh_fill;
 pub mod model;
@@ -75,6 +76,7 @@ impl Plugin for AppearancePlugin {
                 pose::move_eyes,
                 pose::move_lids,
                 pose::cloud_lenses,
+                pose::apply_looks,
                 eye_camera::aim_cameras,
                 eye_camera::wake_cameras,
             )

@@ -23,7 +23,7 @@ use super::tissue_maps::{
     skin_image, static_uniform,
 };
 use crate::anatomy::{
-    Cornea, Effective, Eye, EyeFinder, Iris, Laterality, OcularMedia, Patient, Sclera, Skin,
+    Cornea, Effective, Eye, EyeFinder, Iris, Laterality, Look, OcularMedia, Patient, Sclera, Skin,
 };
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
@@ -94,6 +94,7 @@ pub(super) struct MadeOf {
     seed: u64,
     skin: Skin,
     fine: bool,
+    flush: [f64; 2],
 }
 
 /// The parts of one eye in the world. `Changed` when the next picture of it differs from the last.
@@ -133,6 +134,8 @@ pub struct EyeParts {
     pub(super) lit: Option<Lit>,
     #[reflect(ignore)]
     pub(super) media: Option<OcularMedia>,
+    #[reflect(ignore)]
+    pub(super) look: Option<Look>,
     #[reflect(ignore)]
     pub(super) globe: Vec<(Entity, Handle<GlobeMaterial>)>,
     #[reflect(ignore)]
@@ -189,7 +192,13 @@ pub struct EyeAssets<'w> {
 }
 
 /// The anatomy that an eye is built from.
-type Built<'a> = (&'a Eye, &'a Cornea, &'a Effective<Iris>, &'a Sclera);
+type Built<'a> = (
+    &'a Eye,
+    &'a Cornea,
+    &'a Effective<Iris>,
+    &'a Sclera,
+    &'a Look,
+);
 
 /// What of a model decides how it is built.
 type Model<'a> = (
@@ -253,7 +262,7 @@ pub fn build_eyes(
         let found = finder
             .find(model.0)
             .and_then(|(eye, patient)| Some((eye, eyes.get(eye).ok()?, people.get(patient).ok()?)));
-        let Some((eye_entity, (eye, cornea, iris, sclera), (patient, skin))) = found else {
+        let Some((eye_entity, (eye, cornea, iris, sclera, look), (patient, skin))) = found else {
             if parts.eye.is_some() {
                 own().for_each(|part| commands.entity(part).despawn());
                 *parts = EyeParts {
@@ -273,6 +282,7 @@ pub fn build_eyes(
             seed: patient.seed,
             skin: *skin,
             fine: detail.fine,
+            flush: [look.flush_radius, look.flush_hardness],
         };
         let is_changed = parts.eye != Some(eye_entity) || parts.made_of.as_ref() != Some(&made_of);
         if !is_changed {
@@ -294,6 +304,7 @@ pub fn build_eyes(
             cornea,
             iris: &iris.0,
             sclera,
+            look,
             patient,
             skin,
         };
@@ -316,6 +327,7 @@ pub(super) struct Anatomy<'a> {
     pub(super) cornea: &'a Cornea,
     pub(super) iris: &'a Iris,
     pub(super) sclera: &'a Sclera,
+    pub(super) look: &'a Look,
     pub(super) patient: &'a Patient,
     pub(super) skin: &'a Skin,
 }
@@ -371,6 +383,7 @@ impl Builder<'_, '_, '_, '_> {
         parts.shape = Some(shape);
         parts.head_from_eye = None;
         parts.media = None;
+        parts.look = None;
         parts.built += 1;
         Ok(())
     }
@@ -434,6 +447,7 @@ impl Builder<'_, '_, '_, '_> {
             let material = self.assets.globes.add(GlobeMaterial {
                 part,
                 clouded: false,
+                artistic: false,
                 globe: uniform,
                 iris_map: iris_map.clone(),
                 sclera_map: sclera_map.clone(),
@@ -456,6 +470,7 @@ impl Builder<'_, '_, '_, '_> {
         let material = self.assets.globes.add(GlobeMaterial {
             part: GlobePart::Conjunctiva,
             clouded: false,
+            artistic: false,
             globe: uniform,
             iris_map,
             sclera_map,

@@ -5,7 +5,7 @@ use super::iris_map::{furrow_depth, thicken};
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
-use crate::anatomy::{Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, OcularMedia, Pupil};
+use crate::anatomy::{Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia, Pupil};
 use crate::frame::ledger::WorkLedger;
 use bevy::prelude::*;
 
@@ -89,6 +89,31 @@ pub fn cloud_lenses(
                 material.globe.cortical_share = media.cortical_share as f32;
                 material.globe.capsule = media.capsule_color();
                 material.globe.capsule_radius_mm = 0.5 * media.subcapsular_mm as f32;
+            }
+        }
+    }
+}
+
+/// Takes an artist's changes into the materials, where they have changed.
+pub fn apply_looks(
+    eyes: Query<&Look>,
+    mut models: Query<(&mut EyeParts, &Visibility)>,
+    mut assets: EyeAssets,
+) {
+    for (mut parts, visibility) in &mut models {
+        let Some(Ok(look)) = parts.eye.map(|eye| eyes.get(eye)) else {
+            continue;
+        };
+        if is_hidden(visibility) || parts.look.as_ref() == Some(look) {
+            continue;
+        }
+        let parts = &mut *parts;
+        parts.look = Some(*look);
+        for (_, material) in &parts.globe {
+            if let Some(mut material) = assets.globes.get_mut(material) {
+                material.artistic = !look.is_neutral();
+                material.globe.look = look.into();
+                material.globe.relief = look.iris_relief as f32;
             }
         }
     }

@@ -61,6 +61,10 @@ pub struct ScleraMapSettings {
     pub pinguecula: f32,
     /// Where the nose is: −1 for a right eye (nasal = −x), 1 for a left eye.
     pub nasal_sign: f32,
+    /// How far out it turns pink, against its own distance, 0.5 to 1.5.
+    pub flush_radius: f32,
+    /// How sharply it does, against its own, 0.25 to 4.
+    pub flush_hardness: f32,
 }
 
 impl Default for ScleraMapSettings {
@@ -72,6 +76,8 @@ impl Default for ScleraMapSettings {
             bilirubin_mg_dl: 0.6,
             pinguecula: 0.0,
             nasal_sign: -1.0,
+            flush_radius: 1.0,
+            flush_hardness: 1.0,
         }
     }
 }
@@ -96,6 +102,8 @@ impl ScleraMapSettings {
             bilirubin_mg_dl: legal(self.bilirubin_mg_dl, 0.0, 50.0, default.bilirubin_mg_dl),
             pinguecula: legal(self.pinguecula, 0.0, 1.0, default.pinguecula),
             nasal_sign: if self.nasal_sign > 0.0 { 1.0 } else { -1.0 },
+            flush_radius: legal(self.flush_radius, 0.5, 1.5, default.flush_radius),
+            flush_hardness: legal(self.flush_hardness, 0.25, 4.0, default.flush_hardness),
         }
     }
 }
@@ -305,9 +313,15 @@ fn ground(
     let lamellae = smoothstep(LIMBUS_DEG - 3.0, LIMBUS_DEG + 8.0, radius + uneven);
     // Towards the canthi the conjunctiva thickens and is full of blood, most of all over the last third to the nose.
     let level = (-(y / 45.0).powi(2)).exp();
-    let corner = smoothstep(50.0, 95.0, radius + 9.0 * cloud)
-        .max(level * smoothstep(40.0, 74.0, nasal + 6.0 * cloud))
-        .max(0.7 * level * smoothstep(46.0, 84.0, -nasal + 6.0 * cloud));
+    let flush = |low: f32, high: f32, at: f32| {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let from = middle * settings.flush_radius;
+        let half = half / settings.flush_hardness;
+        smoothstep(from - half, from + half, at)
+    };
+    let corner = flush(50.0, 95.0, radius + 9.0 * cloud)
+        .max(level * flush(40.0, 74.0, nasal + 6.0 * cloud))
+        .max(0.7 * level * flush(46.0, 84.0, -nasal + 6.0 * cloud));
     // It bleeds and yellows in patches, and what the sun reaches between the lids yellows most.
     let sideways = smoothstep(32.0, 80.0, x.abs() + 4.0 * cloud) * (-(y / 38.0).powi(2)).exp();
     let elastotic = pinguecula(settings, place) * (1.0 + cloud);

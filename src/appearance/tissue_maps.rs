@@ -53,8 +53,8 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     let ring = 4.0 * share * (1.0 - share);
     IrisMapSettings {
         seed: fold(seed),
-        border_layer_cover: 0.15 + 0.6 * share,
-        central_heterochromia: 0.55 + 0.25 * ring,
+        border_layer_cover: 0.15 + 0.45 * share,
+        central_heterochromia: 0.3 + 0.25 * ring,
         crypt_density: 0.5 - 0.15 * share,
         furrow_count: if share > 0.7 { 5 } else { 4 },
         ..IrisMapSettings::default()
@@ -126,6 +126,8 @@ pub(super) fn sclera_images(anatomy: &Anatomy<'_>, fine: bool) -> [Image; 2] {
             bilirubin_mg_dl: anatomy.sclera.bilirubin_mg_dl as f32,
             pinguecula: anatomy.sclera.pinguecula as f32,
             nasal_sign: -side(eye.laterality),
+            flush_radius: anatomy.look.flush_radius as f32,
+            flush_hardness: anatomy.look.flush_hardness as f32,
         },
         if fine { 2048 } else { 512 },
     );

@@ -17,6 +17,7 @@ pub use cataract::Cataract;
 pub use glaucoma::{Glaucoma, GlaucomaStage};
 pub use ptosis::Ptosis;
 pub use write::AddCondition;
+pub(crate) use write::put;
 
 use crate::anatomy::{Iris, Lids, OcularMedia, Refraction, VisualField};
 use bevy::ecs::component::Mutable;

@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use core::any::TypeId;
 
 /// Gives an entity a component, which is news only where it differs from the one that is there.
-fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
+pub(crate) fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
     if entity.get::<C>() != Some(&component) {
         entity.insert(component);
     }

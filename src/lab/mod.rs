@@ -6,6 +6,7 @@
 pub mod approximations;
 #[cfg(feature = "app")]
 pub mod bench;
+pub mod display;
 #[cfg(feature = "app")]
 pub mod frame_cost;
 pub mod frame_folder;

@@ -6,10 +6,10 @@
 
 use super::file::{ConditionParts, PatientFile, PupilSetting};
 use crate::anatomy::{
-    Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, OcularMedia, Patient, PupilControl,
-    Refraction, Sclera, Skin, VisualField,
+    Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, Look, OcularMedia, Patient,
+    PupilControl, Refraction, Sclera, Skin, VisualField,
 };
-use crate::conditions::Affected;
+use crate::conditions::{Affected, put};
 use crate::percept::SharpnessField;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::system::SystemParam;
@@ -20,7 +20,7 @@ use bevy::prelude::*;
 const ROOT_BEYOND_LIMBUS_MM: f64 = 0.2;
 
 /// What a person's eye is made of.
-type EyeBundle = (Eye, Cornea, Iris, Lens, Refraction, Sclera, Lids);
+type EyeBundle = (Eye, Cornea, Iris, Lens, Refraction, Sclera, Lids, Look);
 
 impl PatientFile {
     /// The person's own components.
@@ -73,8 +73,8 @@ impl PatientFile {
                 posterior_radius_mm: own.cornea_posterior_radius_mm,
                 posterior_p: own.cornea_posterior_p,
                 thickness_mm: own.cornea_thickness_mm,
-                index: 1.376,
-                aqueous_index: 1.336,
+                index: own.cornea_index,
+                aqueous_index: own.aqueous_index,
                 limbus_radius_mm: own.limbus_radius_mm,
                 lipid_thickness_nm: own.lipid_thickness_nm,
             },
@@ -104,20 +104,46 @@ impl PatientFile {
                 opening: own.lid_opening,
                 droop: 0.0,
             },
+            Look {
+                iris_brightness: own.look_iris_brightness,
+                iris_size: own.look_iris_size,
+                iris_relief: own.look_iris_relief,
+                refraction: own.look_refraction,
+                caustic_scale: own.look_caustic_scale,
+                caustic_power: own.look_caustic_power,
+                cornea_roughness: own.look_cornea_roughness,
+                cornea_specularity: own.look_cornea_specularity,
+                limbus_dark: own.look_limbus_dark,
+                limbus_power: own.look_limbus_power,
+                limbus_color_mm: own.look_limbus_color_mm,
+                limbus_shading_mm: own.look_limbus_shading_mm,
+                white_brightness: own.look_white_brightness,
+                white_roughness: own.look_white_roughness,
+                white_specularity: own.look_white_specularity,
+                white_relief: own.look_white_relief,
+                white_relief_size: own.look_white_relief_size,
+                flush_radius: own.look_flush_radius,
+                flush_hardness: own.look_flush_hardness,
+                matcap: own.look_matcap,
+            },
         )
     }
 
     /// What a reader should know of how it is shown, a sentence without full stop each.
     pub fn remarks(&self) -> Vec<String> {
         let [right, left] = Laterality::BOTH.map(|laterality| {
-            let (_, _, iris, _, refraction, _, lids) = self.eye_components(laterality);
-            self.of_eye(laterality).condition_remarks(Affected {
+            let (_, _, iris, _, refraction, _, lids, look) = self.eye_components(laterality);
+            let mut remarks = self.of_eye(laterality).condition_remarks(Affected {
                 field: VisualField::normal(laterality, self.age_years),
                 media: OcularMedia::healthy(self.age_years, iris.color.glare_pigment()),
                 refraction,
                 iris,
                 lids,
-            })
+            });
+            if !look.is_neutral() {
+                remarks.push("look: an artist's choice, not anatomy".into());
+            }
+            remarks
         });
         if right == left {
             return right;
@@ -171,7 +197,7 @@ impl PatientFile {
                     Some(eye) => world.entity_mut(eye),
                     None => world.spawn(EyeOf(owner)),
                 };
-                let (globe, cornea, iris, lens, refraction, sclera, lids) =
+                let (globe, cornea, iris, lens, refraction, sclera, lids, look) =
                     self.eye_components(laterality);
                 put(&mut eye, globe);
                 put(&mut eye, cornea);
@@ -180,16 +206,10 @@ impl PatientFile {
                 put(&mut eye, refraction);
                 put(&mut eye, sclera);
                 put(&mut eye, lids);
+                put(&mut eye, look);
                 self.of_eye(laterality).put_conditions(&mut eye);
             }
         });
-    }
-}
-
-/// Gives an entity a component, which is news only where it differs from the one that is there.
-fn put<C: Component + PartialEq>(entity: &mut EntityWorldMut, component: C) {
-    if entity.get::<C>() != Some(&component) {
-        entity.insert(component);
     }
 }
 
@@ -237,6 +257,7 @@ type EyeParts = (
     &'static Refraction,
     &'static Sclera,
     &'static Lids,
+    &'static Look,
     ConditionParts<'static>,
 );
 
@@ -286,7 +307,7 @@ impl PatientReader<'_, '_> {
 /// The file of a person both of whose eyes are like this one.
 fn with_eye(
     shared: &PatientFile,
-    (eye, cornea, iris, lens, refraction, sclera, lids, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
+    (eye, cornea, iris, lens, refraction, sclera, lids, look, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
 ) -> PatientFile {
     let mut file = PatientFile {
         iris_color: iris.color,
@@ -298,6 +319,8 @@ fn with_eye(
         cornea_posterior_radius_mm: cornea.posterior_radius_mm,
         cornea_posterior_p: cornea.posterior_p,
         cornea_thickness_mm: cornea.thickness_mm,
+        cornea_index: cornea.index,
+        aqueous_index: cornea.aqueous_index,
         limbus_radius_mm: cornea.limbus_radius_mm,
         iris_depth_mm: iris.depth_mm,
         scleral_radius_mm: eye.scleral_radius_mm,
@@ -306,6 +329,26 @@ fn with_eye(
         bilirubin_mg_dl: sclera.bilirubin_mg_dl,
         pinguecula: sclera.pinguecula,
         lid_opening: lids.opening,
+        look_iris_brightness: look.iris_brightness,
+        look_iris_size: look.iris_size,
+        look_iris_relief: look.iris_relief,
+        look_refraction: look.refraction,
+        look_caustic_scale: look.caustic_scale,
+        look_caustic_power: look.caustic_power,
+        look_cornea_roughness: look.cornea_roughness,
+        look_cornea_specularity: look.cornea_specularity,
+        look_limbus_dark: look.limbus_dark,
+        look_limbus_power: look.limbus_power,
+        look_limbus_color_mm: look.limbus_color_mm,
+        look_limbus_shading_mm: look.limbus_shading_mm,
+        look_white_brightness: look.white_brightness,
+        look_white_roughness: look.white_roughness,
+        look_white_specularity: look.white_specularity,
+        look_white_relief: look.white_relief,
+        look_white_relief_size: look.white_relief_size,
+        look_flush_radius: look.flush_radius,
+        look_flush_hardness: look.flush_hardness,
+        look_matcap: look.matcap,
         stroma_melanin_fraction: iris.stroma_melanin_fraction,
         border_layer_melanin_fraction: iris.border_layer_melanin_fraction,
         eumelanin_ratio: iris.eumelanin_ratio,
@@ -350,6 +393,21 @@ mod tests {
         world.flush();
         assert!(world.get::<Cataract>(patient).is_none());
         assert_eq!(read_back(&mut world, patient), healthy);
+    }
+
+    #[test]
+    fn an_empty_file_gives_what_components_have_by_default() {
+        let file = PatientFile::default();
+        let (patient, skin) = file.person();
+        assert_eq!((patient, skin), (Patient::default(), Skin::default()));
+        let field = file.memory(None);
+        assert!(field.fades_like(&SharpnessField::default()));
+        for eye in Laterality::BOTH {
+            let (_, _, _, lens, refraction, sclera, lids, look) = file.eye_components(eye);
+            assert_eq!(look, Look::default());
+            assert_eq!((lens, refraction), (Lens::default(), Refraction::default()));
+            assert_eq!((sclera, lids), (Sclera::default(), Lids::default()));
+        }
     }
 
     #[test]

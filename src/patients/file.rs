@@ -380,6 +380,8 @@ with_conditions! { patient_file! {
         cornea_posterior_radius_mm = 6.4, 5 to 9, "mm", "apical radius of the back of the cornea";
         cornea_posterior_p = 0.725, 0.2 to 1.5, "", "its shape factor";
         cornea_thickness_mm = 0.55, 0.3 to 0.9, "mm", "central thickness of the cornea";
+        cornea_index = 1.376, 1 to 1.6, "", "refractive index of the cornea";
+        aqueous_index = 1.336, 1 to 1.6, "", "refractive index of the aqueous";
         limbus_radius_mm = 5.85, 5 to 6.5, "mm", "radius of the limbus";
         iris_depth_mm = 3.6, 2.5 to 4.5, "mm", "iris behind the corneal apex";
         scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
@@ -388,6 +390,26 @@ with_conditions! { patient_file! {
         bilirubin_mg_dl = 0.6, 0 to 50, "mg/dL", "bilirubin in the serum; from 2.5 the white is yellow";
         pinguecula = 0.0, 0 to 1, "", "yellow, raised tissue beside the limbus";
         lid_opening = 1.0, 0 to 1.2, "", "how far the lids open; 1 is usual";
+        look_iris_brightness = 1.0, 0 to 4, "", "artist's: brightness of the iris, against its own";
+        look_iris_size = 1.0, 0.5 to 2, "", "artist's: size of iris and pupil as a pattern, against their own";
+        look_iris_relief = 1.0, 0 to 3, "", "artist's: relief of the iris, against its own";
+        look_refraction = 1.0, 0 to 1, "", "artist's: how much of the view's refraction there is";
+        look_caustic_scale = 1.0, 0 to 4, "", "artist's: how much the cornea concentrates light on the iris, against what is computed";
+        look_caustic_power = 1.0, 0.25 to 4, "", "artist's: power of that concentration";
+        look_cornea_roughness = 0.012, 0 to 1, "", "artist's: roughness of the cornea's reflection";
+        look_cornea_specularity = 1.0, 0 to 4, "", "artist's: strength of the cornea's reflection, against its own";
+        look_limbus_dark = 1.0, 0 to 4, "", "artist's: how dark the limbal ring is, against its own";
+        look_limbus_power = 1.0, 0.25 to 4, "", "artist's: power of that ring's profile";
+        look_limbus_color_mm = 0.9, 0.1 to 1.1, "mm", "artist's: width over which iris goes over into white";
+        look_limbus_shading_mm = 0.9, 0.05 to 1.1, "mm", "artist's: width over which the cornea's shape goes over into the white's";
+        look_white_brightness = 1.0, 0 to 4, "", "artist's: brightness of the white, against its own";
+        look_white_roughness = 0.24, 0.02 to 1, "", "artist's: roughness of the wet white";
+        look_white_specularity = 1.0, 0 to 4, "", "artist's: strength of its reflections, against their own";
+        look_white_relief = 1.0, 0 to 4, "", "artist's: relief of the wet white, against its own";
+        look_white_relief_size = 1.0, 0.25 to 4, "", "artist's: size of that relief, against its own";
+        look_flush_radius = 1.0, 0.5 to 1.5, "", "artist's: how far from the cornea the white turns pink, against its own";
+        look_flush_hardness = 1.0, 0.25 to 4, "", "artist's: how sharply it does, against its own";
+        look_matcap = 0.0, 0 to 1, "", "artist's: strength of a reflection that follows the camera";
     }
     eye_options {
         stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";

@@ -10,6 +10,7 @@ use super::file::{FIELDS, Field, PatientFile};
 use crate::anatomy::Laterality;
 use crate::input_file::notation;
 use crate::input_file::{one_clause, read_input_file};
+use crate::optics::conicoid::conicoid_sag;
 use crate::optics::globe::GlobeShape;
 use std::path::Path;
 
@@ -283,7 +284,31 @@ impl PatientFile {
                 });
             }
         }
-        Ok(())
+        self.check_thickness(file)
+    }
+
+    /// The back of the cornea must lie behind its front as far as the limbus.
+    fn check_thickness(&self, file: &str) -> Result<(), PatientError> {
+        let nearer = |r: f64| {
+            conicoid_sag(r, self.cornea_radius_mm, self.cornea_p)
+                - conicoid_sag(r, self.cornea_posterior_radius_mm, self.cornea_posterior_p)
+        };
+        let places = (0..=64).map(|step| f64::from(step) / 64.0 * self.limbus_radius_mm);
+        let least = places.map(nearer).fold(0.0, f64::max);
+        if self.cornea_thickness_mm > least {
+            return Ok(());
+        }
+        Err(PatientError::OutOfRange {
+            file: file.into(),
+            eye: None,
+            field: "cornea_thickness_mm",
+            part: "",
+            value: format!("{}", self.cornea_thickness_mm),
+            allowed: format!(
+                "more than {least:.3} for radii of {} and {} mm, or the surfaces cross before the limbus",
+                self.cornea_radius_mm, self.cornea_posterior_radius_mm
+            ),
+        })
     }
 }
 

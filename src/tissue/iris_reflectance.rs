@@ -72,8 +72,8 @@ impl IrisPigment {
     };
     /// Pheomelanin in the border layer: yellow over blue; amber where it is densest.
     pub const GREEN: Self = Self {
-        stroma_melanin_fraction: 0.001,
-        border_layer_melanin_fraction: 0.18,
+        stroma_melanin_fraction: 0.002,
+        border_layer_melanin_fraction: 0.21,
         eumelanin_ratio: 0.02,
     };
     /// Between green and brown.
@@ -84,9 +84,9 @@ impl IrisPigment {
     };
     /// Dense melanin in both layers, enough of it pheomelanin to be warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.05,
+        stroma_melanin_fraction: 0.03,
         border_layer_melanin_fraction: 0.5,
-        eumelanin_ratio: 0.15,
+        eumelanin_ratio: 0.05,
     };
 
     /// Fractions clamped to their ranges; what is not a number counts as none.

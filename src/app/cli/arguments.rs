@@ -6,6 +6,7 @@ use super::values::{
     parse_threshold,
 };
 use crate::lab::measure::MeasureTable;
+use crate::patients::PatientFile;
 use crate::scene::depth_file::DepthUnit;
 use crate::stage::PanelLight;
 use bevy::math::UVec2;
@@ -68,6 +69,9 @@ pub(super) struct Shown {
     /// What the eye is lit by, seen from outside.
     #[arg(long, value_enum, default_value = "window", value_name = "LIGHT")]
     pub(super) light: LightArg,
+    /// How much of an eye's optics and relief is drawn.
+    #[arg(long, value_enum, default_value = "full", value_name = "STAGE")]
+    pub(super) stage: StageArg,
     /// Seed of every random choice, 0 to 18446744073709551615.
     #[arg(
         long,
@@ -124,6 +128,37 @@ impl ValueEnum for LightArg {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.0.name()).help(self.0.description()))
+    }
+}
+
+/// What the picture of an eye is built up from (François et al. 2007, figure 9).
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum StageArg {
+    /// The iris flat behind a clear window, evenly lit.
+    None,
+    /// The view refracted by the cornea.
+    Refraction,
+    /// And the light: concentrated on the iris as the cornea does.
+    Light,
+    /// And the iris' relief: all of it.
+    Full,
+}
+
+impl StageArg {
+    /// The patient with the rest left out, on either eye.
+    pub(super) fn of(self, patient: PatientFile) -> PatientFile {
+        if self == Self::Full {
+            return patient;
+        }
+        patient.with_change(None, |eye| {
+            eye.look_iris_relief = 0.0;
+            if self != Self::Light {
+                eye.look_caustic_scale = 0.0;
+            }
+            if self == Self::None {
+                eye.look_refraction = 0.0;
+            }
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::appearance::brow::Brow;
+use crate::appearance::canthus::EDGE_MM;
 use crate::appearance::hair::{HairMesh, RINGS, SIDES};
 use crate::appearance::lashes::Lashes;
 
@@ -124,9 +125,12 @@ fn nothing_enters_the_globe() {
         for (i, p) in out.positions.iter().enumerate() {
             let p = Vec3::from(*p);
             let clear = p.length() - globe(p.normalize());
-            // Everything stays outside; f32 rounding at 12 mm is 1e-6.
+            // Everything stays outside but the free edges of the corners' sheets; f32 rounding at 12 mm is 1e-6.
+            let sheet = i.checked_sub(region.corner_start(Corner::Medial));
+            let is_edge = sheet.is_some_and(|i| (i + 1).is_multiple_of(CORNER_COLUMNS));
+            let least = if is_edge { -EDGE_MM } else { 0.0 };
             assert!(
-                clear >= -1e-4,
+                clear >= least - 1e-4,
                 "vertex {i} is {clear} mm inside at {pose:?}"
             );
         }

@@ -84,7 +84,7 @@ fn middle_layer(canvas: &mut Canvas, settings: &IrisMapSettings, layout: &Layout
         let strand = Strand {
             v: [start, end],
             half_width_mm: lerp(0.010, 0.030, dice.unit() * dice.unit()),
-            crest: dice.range(0.40, 0.84),
+            crest: dice.range(0.30, 0.92),
             taper: [0.05, 0.09],
             tag: dice.unit(),
             seed: dice.next_u32(),
@@ -162,7 +162,7 @@ fn pupillary_zone(canvas: &mut Canvas, settings: &IrisMapSettings, layout: &Layo
         let strand = Strand {
             v: [start.min(end), end],
             half_width_mm: dice.range(0.008, 0.020),
-            crest: dice.range(0.45, 0.85),
+            crest: dice.range(0.30, 0.92),
             taper: [0.04, 0.03],
             tag: dice.unit(),
             seed: dice.next_u32(),
@@ -190,7 +190,7 @@ fn settle(deep: Canvas, upper: Canvas, settings: &IrisMapSettings, layout: &Layo
         1.0 + 0.34 * fbm(u * 6.0, v * 2.2, [6, 0], 4, seed ^ 3)
     });
     // A lacunar stroma has less ground between its strands.
-    let fill = 1.12 - 0.30 * settings.crypt_density;
+    let fill = 0.94 - 0.30 * settings.crypt_density;
     let mut surface = upper;
     for row in 0..grid.height {
         let v = grid.v(row);

@@ -39,6 +39,8 @@ fn every_channel_stays_in_its_range_even_for_illegal_settings() {
         nasal_sign: f32::NAN,
         bilirubin_mg_dl: f32::NAN,
         pinguecula: f32::NEG_INFINITY,
+        flush_radius: f32::NAN,
+        flush_hardness: f32::INFINITY,
         seed: 0,
     };
     let old = ScleraMapSettings {
@@ -47,6 +49,8 @@ fn every_channel_stays_in_its_range_even_for_illegal_settings() {
         nasal_sign: 1.0,
         bilirubin_mg_dl: 1e9,
         pinguecula: 1.0,
+        flush_radius: 9.0,
+        flush_hardness: 1e9,
         seed: 0,
     };
     for settings in [wild, old, ScleraMapSettings::default()] {

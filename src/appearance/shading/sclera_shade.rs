@@ -55,6 +55,15 @@ pub fn view_shift(n: DVec3, v: DVec3, depth: f64) -> DVec3 {
     aside * (-depth / (1.0 - aside.length_squared()).max(0.1).sqrt())
 }
 
+/// The place whose relief a point of the white has where it is `size` times as large, about the middle of the
+/// map.
+pub fn relief_place(p: DVec3, size: f64) -> DVec3 {
+    let n = p.normalize();
+    let angle = ((-n.z).clamp(-1.0, 1.0).acos() / size.max(1e-3)).min(SCLERA_HALF_ANGLE);
+    let aside = n.truncate().normalize_or_zero() * angle.sin();
+    p.length() * aside.extend(-angle.cos())
+}
+
 /// What vessels leave of the light that the white sends back: the superficial ones, with columns of `shallow` mm on the
 /// way out and `shadow` on the way in, dim all of it; the deep ones what has not turned back above them (`above`).
 pub fn vessel_filter(shallow: f64, shadow: f64, deep: f64, above: DVec3) -> DVec3 {

@@ -49,10 +49,18 @@ pub(super) fn of_fault(fault: Fault, file: &str) -> PatientError {
                     Some(meant) => {
                         format!("unknown field {found:?} of {whose}; did you mean {meant}?")
                     }
-                    None => format!(
-                        "unknown field {found:?}; the fields of {whose} are {}",
-                        known.join(", ")
-                    ),
+                    None => {
+                        let (artists, own): (Vec<&str>, Vec<&str>) =
+                            known.iter().partition(|name| name.starts_with("look_"));
+                        let more = match artists.len() {
+                            0 => String::new(),
+                            many => format!(", and {many} that begin with look_"),
+                        };
+                        format!(
+                            "unknown field {found:?}; the fields of {whose} are {}{more}",
+                            own.join(", ")
+                        )
+                    }
                 },
             })
         }

@@ -49,6 +49,11 @@ pub fn anatomy(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         }
         ui.add_space(4.0);
         for field in FIELDS.iter().filter(|field| field.name != "pupil") {
+            if field.name == "look_iris_brightness" {
+                ui.add_space(6.0);
+                ui.strong("Artist's choices")
+                    .on_hover_text("what programs for drawing eyes offer; none of it is anatomy");
+            }
             if field.per_eye || chosen.0.is_none() {
                 settled |= slider(ui, field, &mut one);
             }
@@ -139,7 +144,8 @@ fn slider(ui: &mut Ui, field: &Field, wanted: &mut PatientFile) -> bool {
         (field.set)(wanted, value);
     }
     // Lenses are changed at once, whatever is built.
-    let is_quick = matches!(field.name, "sphere_d" | "cylinder_d" | "axis_deg");
+    let is_quick = matches!(field.name, "sphere_d" | "cylinder_d" | "axis_deg")
+        || (field.name.starts_with("look_") && !field.name.starts_with("look_flush"));
     is_settled(&slider) || (is_quick && slider.changed())
 }
 
