@@ -34,4 +34,5 @@ pub mod prelude {
     pub use crate::patients::{PatientFile, load_patient};
     pub use crate::percept::{Percept, SeesAs, SharpnessField, ViewOptions};
     pub use crate::scene::photo_view::Photograph;
+    pub use bevy::camera::Hdr;
 }

@@ -641,6 +641,7 @@ const REMOVALS: &[Removal] = &[
         |w, _, patient| take::<Eyelids>(w, patient),
         [false, true],
     ),
+    ("Look", |w, eye, _| take::<Look>(w, eye), [false, false]),
     (
         "PupilControl",
         |w, _, patient| take::<PupilControl>(w, patient),

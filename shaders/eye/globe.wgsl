@@ -31,9 +31,11 @@ struct Globe {
     lids: Lids,
     // Rotation from the eye frame to the head frame, columns.
     head_from_eye: mat4x4<f32>,
-    // Apical radius (mm) and shape factor of front and back of the cornea.
-    anterior: vec2<f32>,
-    posterior: vec2<f32>,
+    // Apical radius and shape factor of front and back of the cornea.
+    anterior_radius_mm: f32,
+    anterior_p: f32,
+    posterior_radius_mm: f32,
+    posterior_p: f32,
     thickness_mm: f32,
     cornea_index: f32,
     aqueous_index: f32,
@@ -103,7 +105,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let indices = vec2f(globe.cornea_index, globe.aqueous_index);
     let size = 1.0;
 #endif
-    let trace = cornea_trace(origin, direction, globe.anterior, globe.posterior, globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
+    let trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
     if trace.valid < 0.5 {
         return vec3f(0.02, 0.018, 0.016);
     }
@@ -151,14 +153,14 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     camera = eye_from_head * camera;
     p = eye_from_head * p;
     // Where it is thin it lies on the globe and has its shape.
-    normal = normalize(mix(normalize(p), eye_from_head * normal, smoothstep(0.0, 0.5, in.tissue.b)));
+    normal = normalize(mix(normalize(p), eye_from_head * normal, smoothstep(0.0, 0.9, in.tissue.b)));
 #endif
     let direction = normalize(p - camera);
     var corneal = 0.0;
 #ifdef CORNEA
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let origin = camera - apex;
-    let t = conicoid_intersect(origin, direction, globe.anterior.x, globe.anterior.y);
+    let t = conicoid_intersect(origin, direction, globe.anterior_radius_mm, globe.anterior_p);
     if t > 0.0 {
         let hit = origin + t * direction;
         let r = length(hit.xy);
@@ -170,7 +172,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let shaped = corneal;
 #endif
         if r < globe.limbus_mm { p = hit + apex; }
-        normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior.x, globe.anterior.y), shaped);
+        normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior_radius_mm, globe.anterior_p), shaped);
     }
 #endif
     var shade = lid_shade(globe.lids, head_from_eye() * p);

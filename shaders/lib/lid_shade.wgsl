@@ -30,8 +30,8 @@ fn lid_shade(lids: Lids, p: vec3<f32>) -> LidShade {
     let u = max(upper, 0.0);
     let l = max(lower, 0.0);
     var shade: LidShade;
-    shade.sky = (1.0 - 0.72 * exp(-u / 1.5)) * (1.0 - 0.5 * exp(-l / 0.8));
-    shade.key = smoothstep(-0.4, 2.4, upper) * (1.0 - 0.4 * exp(-l / 0.5));
+    shade.sky = (1.0 - 0.55 * exp(-u / 1.3)) * (1.0 - 0.5 * exp(-l / 0.8));
+    shade.key = smoothstep(-0.9, 1.9, upper) * (1.0 - 0.4 * exp(-l / 0.5));
     shade.upper_gap = upper;
     shade.lower_gap = lower;
     return shade;

@@ -5,7 +5,7 @@
 // every later time. The key is that number in steps of 1/4096 (0.0244 % of blur), as an unsigned
 // integer whose order is the order of sharpness, below the inverted blink epoch in the top four bits:
 // a newer epoch is always the smaller key, so one atomicMin does both the update and the reset. Below
-// it, in the last seven bits, rides how long the blur was for its width (see `blur_elongation`).
+// it, in the last seven bits, rides how long the blur was for its width (see `astigmatic_blur`).
 
 const SHARPNESS_STEPS_PER_NAT: f32 = 4096.0;
 // ln(1e-6 rad) and ln(e^(65535/4096) * 1e-6 rad) bound what a key can say.

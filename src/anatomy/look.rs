@@ -16,7 +16,7 @@ use bevy::reflect::Reflect;
 pub struct Look {
     /// Brightness of the iris against its own, 0 to 4.
     pub iris_brightness: f64,
-    /// Size of iris and pupil as a pattern about their centre, against their own, 0.5 to 2.
+    /// Size of iris and pupil as a pattern about their centre, against their own, 0.8 to 1.25.
     pub iris_size: f64,
     /// Relief of the iris against its own, 0 to 3.
     pub iris_relief: f64,

@@ -94,7 +94,7 @@ fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
-    let patient = shown.stage.of(load_patient(&shown.patient)?);
+    let patient = load_patient(&shown.patient)?;
     let options = photo_options(shown)?;
     let source = SceneSource::parse(&shown.scene, shown.depth.as_deref())?;
     if !matches!(source, SceneSource::Photo { .. }) && (shown.at.is_some() || shown.span.is_some())
@@ -129,7 +129,7 @@ fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
     }
     Ok(Session {
         light: shown.light.0,
-        ..Session::new(patient, scene, shown.seed)
+        ..Session::new(shown.stage.of(patient), scene, shown.seed)
     })
 }
 

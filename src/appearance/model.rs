@@ -197,7 +197,7 @@ type Built<'a> = (
     &'a Cornea,
     &'a Effective<Iris>,
     &'a Sclera,
-    &'a Look,
+    Option<&'a Look>,
 );
 
 /// What of a model decides how it is built.
@@ -273,6 +273,7 @@ pub fn build_eyes(
             continue;
         };
         let layers = layers.cloned().unwrap_or_default();
+        let look = look.copied().unwrap_or_default();
         let made_of = MadeOf {
             eye: eye.clone(),
             cornea: cornea.clone(),
@@ -304,7 +305,7 @@ pub fn build_eyes(
             cornea,
             iris: &iris.0,
             sclera,
-            look,
+            look: &look,
             patient,
             skin,
         };
@@ -524,8 +525,9 @@ impl Builder<'_, '_, '_, '_> {
     ) {
         let material = self.assets.hairs.add(HairMaterial {
             hair: HairUniform {
-                root: Vec3::new(0.010, 0.007, 0.006),
-                tip: Vec3::new(0.024, 0.016, 0.012),
+                // Of photographs: 50 38 37 at the base, 96 62 45 in the last third.
+                root: Vec3::new(0.030, 0.019, 0.018),
+                tip: Vec3::new(0.115, 0.048, 0.026),
             },
             illumination,
             around: around.clone(),

@@ -96,7 +96,7 @@ pub fn cloud_lenses(
 
 /// Takes an artist's changes into the materials, where they have changed.
 pub fn apply_looks(
-    eyes: Query<&Look>,
+    eyes: Query<Option<&Look>>,
     mut models: Query<(&mut EyeParts, &Visibility)>,
     mut assets: EyeAssets,
 ) {
@@ -104,15 +104,16 @@ pub fn apply_looks(
         let Some(Ok(look)) = parts.eye.map(|eye| eyes.get(eye)) else {
             continue;
         };
-        if is_hidden(visibility) || parts.look.as_ref() == Some(look) {
+        let look = look.copied().unwrap_or_default();
+        if is_hidden(visibility) || parts.look == Some(look) {
             continue;
         }
         let parts = &mut *parts;
-        parts.look = Some(*look);
+        parts.look = Some(look);
         for (_, material) in &parts.globe {
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.artistic = !look.is_neutral();
-                material.globe.look = look.into();
+                material.globe.look = (&look).into();
                 material.globe.relief = look.iris_relief as f32;
             }
         }

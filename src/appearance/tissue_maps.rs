@@ -14,7 +14,7 @@ use crate::optics::globe::GlobeShape;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable, IrisTissue};
 use crate::tissue::sclera::{SCLERA_INDEX, ScleralTissue, returned_above, sclera_reflectance};
 use bevy::image::Image;
-use bevy::math::{DVec2, Mat4, Vec2, Vec3, Vec4};
+use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
 /// Albedo (linear sRGB) of skin from very light (0) to very dark (1).
 pub(super) fn skin_albedo(tone: f64) -> Vec3 {
@@ -152,8 +152,10 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
     GlobeUniform {
         lids: LidHeights::default(),
         head_from_eye: Mat4::IDENTITY,
-        anterior: Vec2::new(cornea.anterior_radius_mm as f32, cornea.anterior_p as f32),
-        posterior: Vec2::new(cornea.posterior_radius_mm as f32, cornea.posterior_p as f32),
+        anterior_radius_mm: cornea.anterior_radius_mm as f32,
+        anterior_p: cornea.anterior_p as f32,
+        posterior_radius_mm: cornea.posterior_radius_mm as f32,
+        posterior_p: cornea.posterior_p as f32,
         thickness_mm: cornea.thickness_mm as f32,
         cornea_index: cornea.index as f32,
         aqueous_index: cornea.aqueous_index as f32,

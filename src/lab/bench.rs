@@ -341,6 +341,7 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
         ("eye alone", brown, square, [true, false], plain),
         ("view alone", brown, square, [false, true], plain),
         ("view, -3 D", "myope-3d", square, [false, true], plain),
+        ("view, -2 x 30", "astigmat", square, [false, true], plain),
         (
             "both, glaucoma",
             "glaucoma-moderate",

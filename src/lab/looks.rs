@@ -19,6 +19,7 @@ use bevy::camera::Projection;
 use bevy::math::{DVec2, DVec3, UVec2};
 use image::RgbaImage;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Pixels along a side of the picture, and the camera's distance, mm: an iris is 410 pixels wide.
 const SIDE: u32 = 1024;
@@ -32,7 +33,7 @@ pub struct LookRow {
     /// Its unit; `1` is a ratio.
     pub unit: &'static str,
     /// Of the rendered picture.
-    pub ours: f64,
+    pub ours: Option<f64>,
     /// The middle of photographs.
     pub photographs: f64,
     /// Their spread.
@@ -40,7 +41,10 @@ pub struct LookRow {
     /// To.
     pub to: f64,
     /// Does ours lie within it?
-    pub within: bool,
+    pub within: Option<bool>,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub null_reasons: BTreeMap<&'static str, &'static str>,
 }
 
 /// The table.
@@ -213,14 +217,25 @@ fn vessels(picture: &Picture) -> (f64, f64) {
 }
 
 fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
-    let row = |quantity, unit, ours: f64, photographs, (from, to): (f64, f64)| LookRow {
-        quantity,
-        unit,
-        ours,
-        photographs,
-        from,
-        to,
-        within: (from..=to).contains(&ours),
+    let row = |quantity, unit, ours: f64, photographs, (from, to): (f64, f64)| {
+        let ours = Some(ours).filter(|ours| ours.is_finite());
+        let within = ours.map(|ours| (from..=to).contains(&ours));
+        let null_reasons = match ours {
+            Some(_) => BTreeMap::new(),
+            None => ["ours", "within"]
+                .map(|key| (key, "nothing of it is seen in the picture"))
+                .into(),
+        };
+        LookRow {
+            quantity,
+            unit,
+            ours,
+            photographs,
+            from,
+            to,
+            within,
+            null_reasons,
+        }
     };
     let pupil_share = picture.pupil_px / picture.limbus_px;
     // Below the middle, where neither lids nor lamps are.

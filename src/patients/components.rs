@@ -4,7 +4,7 @@
 //! itself is gone, so that every number has one owner. [`PatientReader`] reads a person's file back
 //! from her components.
 
-use super::file::{ConditionParts, PatientFile, PupilSetting};
+use super::file::{ConditionParts, FIELDS, PatientFile, PupilSetting};
 use crate::anatomy::{
     Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, Look, OcularMedia, Patient,
     PupilControl, Refraction, Sclera, Skin, VisualField,
@@ -141,7 +141,7 @@ impl PatientFile {
                 lids,
             });
             if !look.is_neutral() {
-                remarks.push("look: an artist's choice, not anatomy".into());
+                remarks.push(self.of_eye(laterality).artists_choices());
             }
             remarks
         });
@@ -154,6 +154,25 @@ impl PatientFile {
                 .map(move |remark| format!("{eye}.{remark}"))
         };
         of("right", right).chain(of("left", left)).collect()
+    }
+
+    /// Names the fields in which an artist has chosen otherwise than anatomy has it.
+    fn artists_choices(&self) -> String {
+        let usual = Self::default();
+        let chosen: Vec<String> = FIELDS
+            .iter()
+            .filter(|field| field.name.starts_with("look_"))
+            .filter_map(|field| {
+                let value =
+                    (field.get)(self).filter(|value| (field.get)(&usual) != Some(*value))?;
+                Some(format!("{} = {value}", field.name))
+            })
+            .collect();
+        let (are, choice) = match chosen.len() {
+            1 => ("is", "an artist's choice"),
+            _ => ("are", "an artist's choices"),
+        };
+        format!("{} {are} {choice}, not anatomy", chosen.join(", "))
     }
 
     /// Makes an entity this person. Eyes that she has already become those of the file, and what she had of
@@ -257,7 +276,7 @@ type EyeParts = (
     &'static Refraction,
     &'static Sclera,
     &'static Lids,
-    &'static Look,
+    Option<&'static Look>,
     ConditionParts<'static>,
 );
 
@@ -309,6 +328,7 @@ fn with_eye(
     shared: &PatientFile,
     (eye, cornea, iris, lens, refraction, sclera, lids, look, conditions): <EyeParts as bevy::ecs::query::QueryData>::Item<'_, '_>,
 ) -> PatientFile {
+    let look = look.copied().unwrap_or_default();
     let mut file = PatientFile {
         iris_color: iris.color,
         sphere_d: refraction.sphere_d,

@@ -391,7 +391,7 @@ with_conditions! { patient_file! {
         pinguecula = 0.0, 0 to 1, "", "yellow, raised tissue beside the limbus";
         lid_opening = 1.0, 0 to 1.2, "", "how far the lids open; 1 is usual";
         look_iris_brightness = 1.0, 0 to 4, "", "artist's: brightness of the iris, against its own";
-        look_iris_size = 1.0, 0.5 to 2, "", "artist's: size of iris and pupil as a pattern, against their own";
+        look_iris_size = 1.0, 0.8 to 1.25, "", "artist's: size of iris and pupil as a pattern, against their own";
         look_iris_relief = 1.0, 0 to 3, "", "artist's: relief of the iris, against its own";
         look_refraction = 1.0, 0 to 1, "", "artist's: how much of the view's refraction there is";
         look_caustic_scale = 1.0, 0 to 4, "", "artist's: how much the cornea concentrates light on the iris, against what is computed";

@@ -298,16 +298,30 @@ impl PatientFile {
         if self.cornea_thickness_mm > least {
             return Ok(());
         }
+        let surfaces = format!(
+            "radii of {} and {} mm (p = {} and {})",
+            self.cornea_radius_mm,
+            self.cornea_posterior_radius_mm,
+            self.cornea_p,
+            self.cornea_posterior_p
+        );
+        let crossing = "or front and back of the cornea cross before the limbus";
+        // No cornea is as thick as some surfaces would need.
+        let (field, value, allowed) = if least < 0.9 {
+            let allowed = format!("more than {least:.3} for {surfaces}, {crossing}");
+            ("cornea_thickness_mm", self.cornea_thickness_mm, allowed)
+        } else {
+            let allowed = format!("smaller against the front's, {crossing}: now {surfaces}");
+            let radius = self.cornea_posterior_radius_mm;
+            ("cornea_posterior_radius_mm", radius, allowed)
+        };
         Err(PatientError::OutOfRange {
             file: file.into(),
             eye: None,
-            field: "cornea_thickness_mm",
+            field,
             part: "",
-            value: format!("{}", self.cornea_thickness_mm),
-            allowed: format!(
-                "more than {least:.3} for radii of {} and {} mm, or the surfaces cross before the limbus",
-                self.cornea_radius_mm, self.cornea_posterior_radius_mm
-            ),
+            value: format!("{value}"),
+            allowed,
         })
     }
 }

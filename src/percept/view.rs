@@ -375,13 +375,19 @@ pub(super) fn receive(
             && let Ok((controller, person, mut adaptation, candidates)) = people.get_mut(patient)
         {
             percept.told = Some(patient);
-            if adaptation.is_measured && percept.photo.is_none() {
-                let exposure = exposure.map_or(Exposure::default().exposure(), Exposure::exposure);
-                let measured = Adaptation {
-                    luminance_cd_m2: f64::from(percept.captured.mean_luminance / exposure),
-                    ..*adaptation
+            if adaptation.is_measured {
+                let luminance_cd_m2 = match &percept.photo {
+                    Some(laid) => laid.photo.mean_luminance_cd_m2,
+                    None => {
+                        let of_camera = Exposure::default();
+                        let exposure = exposure.unwrap_or(&of_camera).exposure();
+                        f64::from(percept.captured.mean_luminance / exposure)
+                    }
                 };
-                adaptation.set_if_neq(measured);
+                adaptation.set_if_neq(Adaptation {
+                    luminance_cd_m2,
+                    ..*adaptation
+                });
             }
             let middle = percept.captured.size.as_vec2() * 0.5;
             let mut found = Candidates {

@@ -47,6 +47,12 @@ fn nearness(tap_vergence: f32, vergence: f32) -> f32 {
     return smoothstep(0.05, 0.15, (tap_vergence - vergence) / (tap_vergence + 0.2));
 }
 
+// What was gathered, and its weight, rgb and w; and the nearest vergence among it.
+struct Gathered {
+    sum: vec4<f32>,
+    nearest: f32,
+};
+
 #ifndef ASTIGMATISM
 // Share of its weight that a tap at `distance2` keeps for a pixel of this sigma: a nearer tap
 // reaches only as far as its own blur does.
@@ -67,12 +73,6 @@ struct Gather {
     level: f32,
     deviation: f32,
     pairs: u32,
-};
-
-// What was gathered, and its weight, rgb and w; and the nearest vergence among it.
-struct Gathered {
-    sum: vec4<f32>,
-    nearest: f32,
 };
 
 // Two texels in one bilinear tap: x how far it lies beyond the first, y both weights, z and w the

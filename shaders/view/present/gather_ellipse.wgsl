@@ -44,6 +44,76 @@ fn rows_of(own: vec2<f32>, level: f32, at: vec2<f32>, axis: vec2<f32>) -> Rows {
     return Rows(tall, select(at.yx, at, tall), vec2<f32>(within, along), slope);
 }
 
+// A texel of a row: `along` is its place within the row, and which row.
+fn row_texel(along: vec2<f32>, tall: bool, last: vec2<f32>, level: i32) -> vec4<f32> {
+    return textureLoad(view_colour, vec2<i32>(clamp(select(along.yx, along, tall), vec2<f32>(0.0), last)), level);
+}
+
+// All texels alike. (Two by two in a bilinear tap is no faster where rows are three texels wide.)
+fn gather_rows(rows: Rows, reach: vec2<f32>, texels: vec2<u32>, level: f32) -> Gathered {
+    let last = vec2<f32>(texels) - 1.0;
+    let mip = i32(level);
+    let first = floor(rows.middle.y + 0.5);
+    let deviation = sqrt(max(rows.variances.x, THREE_TEXELS_VARIANCE) / GAUSSIAN_WINDOW_VARIANCE);
+    var out = Gathered(vec4<f32>(0.0), 0.0);
+    for (var j = -reach.y; j <= reach.y; j += 1.0) {
+        let down = first + j - rows.middle.y;
+        let row = row_weight(down, rows.variances.y);
+        let middle = rows.middle.x + rows.slope * down;
+        let nearest = floor(middle + 0.5);
+        if rows.variances.x <= THREE_TEXELS_VARIANCE {
+            let before = row_weight(nearest - 1.0 - middle, rows.variances.x);
+            let after = row_weight(nearest + 1.0 - middle, rows.variances.x);
+            let one = row_texel(vec2<f32>(nearest - 1.0, first + j), rows.tall, last, mip);
+            let two = row_texel(vec2<f32>(nearest, first + j), rows.tall, last, mip);
+            let three = row_texel(vec2<f32>(nearest + 1.0, first + j), rows.tall, last, mip);
+            let mean = before * one.rgb + (1.0 - before - after) * two.rgb + after * three.rgb;
+            out.sum += row * vec4<f32>(mean, 1.0);
+            out.nearest = max(out.nearest, max(max(one.a, two.a), three.a));
+        } else {
+            let begin = nearest - reach.x;
+            let steps = gaussian_steps(begin - middle, deviation);
+            var gaussian = steps.x;
+            var factor = steps.y;
+            for (var i = 0.0; i <= 2.0 * reach.x; i += 1.0) {
+                let one = row_texel(vec2<f32>(begin + i, first + j), rows.tall, last, mip);
+                let weight = row * gaussian_window(gaussian);
+                out.sum += weight * vec4<f32>(one.rgb, 1.0);
+                out.nearest = max(out.nearest, one.a);
+                gaussian *= factor;
+                factor *= steps.z;
+            }
+        }
+    }
+    return out;
+}
+
+// Every texel by itself, the nearer ones as far as their own blur reaches.
+fn gather_rows_apart(rows: Rows, reach: vec2<f32>, pitch: vec2<f32>, texels: vec2<u32>, level: f32, at: vec2<f32>, vergence: f32, own: vec2<f32>) -> vec4<f32> {
+    let last = vec2<f32>(texels) - 1.0;
+    let first = floor(rows.middle.y + 0.5);
+    let axis = axis_in_image();
+    var sum = vec4<f32>(0.0);
+    for (var j = -reach.y; j <= reach.y; j += 1.0) {
+        let down = first + j - rows.middle.y;
+        let row = row_weight(down, rows.variances.y);
+        let middle = rows.middle.x + rows.slope * down;
+        let nearest = floor(middle + 0.5);
+        for (var i = -reach.x; i <= reach.x; i += 1.0) {
+            let along = vec2<f32>(nearest + i, first + j);
+            let texel = select(along.yx, along, rows.tall);
+            let one = textureLoad(view_colour, vec2<i32>(clamp(texel, vec2<f32>(0.0), last)), i32(level));
+            var weight = row * row_weight(nearest + i - middle, rows.variances.x);
+            let near = nearness(one.a, vergence);
+            if near > 0.0 {
+                weight *= ellipse_share((texel + 0.5) * pitch, (texel - at) * pitch, axis, near, own);
+            }
+            sum += weight * vec4<f32>(one.rgb, 1.0);
+        }
+    }
+    return sum;
+}
+
 fn gather_own(place: vec2<f32>, centre: vec4<f32>, blur: vec2<f32>) -> vec3<f32> {
     let own = ellipse_variances(blur.x, blur.y);
     let copied = 0.25 * COPY_DIAMETER_PX;
@@ -52,34 +122,20 @@ fn gather_own(place: vec2<f32>, centre: vec4<f32>, blur: vec2<f32>) -> vec3<f32>
     }
     let level = min(ellipse_level(own), f32(textureNumLevels(view_colour) - 1u));
     let texels = max(percept.size >> vec2<u32>(u32(level)), vec2<u32>(1u));
-    let last = vec2<f32>(texels) - 1.0;
     let pitch = vec2<f32>(percept.size) / vec2<f32>(texels);
     let at = place / pitch - 0.5;
-    let axis = axis_in_image();
-    let rows = rows_of(own, level, at, axis);
-    let reach = vec2<f32>(row_reach(rows.variances.x), row_reach(rows.variances.y));
+    let rows = rows_of(own, level, at, axis_in_image());
     // On the last level, which a blur wider than the view asks for, every texel is the mean.
-    let most = min(reach, vec2<f32>(2.0 * ELLIPSE_ACROSS_MAX, ELLIPSE_ROWS_MAX));
-    let first = floor(rows.middle.y + 0.5);
-    var sum = 1e-3 * vec4<f32>(centre.rgb, 1.0);
-    for (var j = -most.y; j <= most.y; j += 1.0) {
-        let down = first + j - rows.middle.y;
-        let row = row_weight(down, rows.variances.y);
-        let middle = rows.middle.x + rows.slope * down;
-        let nearest = floor(middle + 0.5);
-        for (var i = -most.x; i <= most.x; i += 1.0) {
-            let along = vec2<f32>(nearest + i, first + j);
-            let texel = select(along.yx, along, rows.tall);
-            let one = textureLoad(view_colour, vec2<i32>(clamp(texel, vec2<f32>(0.0), last)), i32(level));
-            var weight = row * row_weight(nearest + i - middle, rows.variances.x);
-            let near = nearness(one.a, centre.a);
-            if near > 0.0 {
-                weight *= ellipse_share((texel + 0.5) * pitch, (texel - at) * pitch, axis, near, own);
-            }
-            sum += weight * vec4<f32>(one.rgb, 1.0);
-        }
+    let most = vec2<f32>(2.0 * ELLIPSE_ACROSS_MAX, ELLIPSE_ROWS_MAX);
+    let reach = min(vec2<f32>(row_reach(rows.variances.x), row_reach(rows.variances.y)), most);
+    let gathered = gather_rows(rows, reach, texels, level);
+    var sum = gathered.sum;
+    if nearness(gathered.nearest, centre.a) > 0.0 {
+        sum = gather_rows_apart(rows, reach, pitch, texels, level, at, centre.a, own);
     }
-    return sum.rgb / sum.a;
+    // All taps can be nearer and sharp: then the pixel keeps its own colour.
+    let kept = 1e-3;
+    return (sum.rgb + kept * centre.rgb) / (sum.a + kept);
 }
 
 // Light that a nearer tap spreads to an offset, per pixel. Narrower than the taps stand apart it would be

@@ -35,8 +35,8 @@ pub fn lid_shade(lids: &LidHeights, p: DVec3) -> LidShade {
     let lower = p.y - lid_height(&lids.lower, p.x);
     let (u, l) = (upper.max(0.0), lower.max(0.0));
     LidShade {
-        sky: (1.0 - 0.72 * (-u / 1.5).exp()) * (1.0 - 0.5 * (-l / 0.8).exp()),
-        key: smoothstep(-0.4, 2.4, upper) * (1.0 - 0.4 * (-l / 0.5).exp()),
+        sky: (1.0 - 0.55 * (-u / 1.3).exp()) * (1.0 - 0.5 * (-l / 0.8).exp()),
+        key: smoothstep(-0.9, 1.9, upper) * (1.0 - 0.4 * (-l / 0.5).exp()),
         upper_gap: upper,
         lower_gap: lower,
     }

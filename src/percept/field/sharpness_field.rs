@@ -10,8 +10,9 @@
 //! is a `u32` *key*: an update is one minimum, starving costs nothing, a blink is one counter. Cells
 //! exist only where something was seen ([`SparseField`]; on the GPU an open-addressed table).
 //!
-//! An astigmatic eye's blur has a direction. Its axis is the eye's; how much longer than wide it was
-//! ([`super::super::present::gather::blur_elongation`]) rides in the key's last seven bits, below all
+//! An astigmatic eye's blur has a direction. Its axis is the eye's own of this moment, and is not
+//! remembered; how much longer than wide it was
+//! ([`crate::optics::defocus::astigmatic_blur`]) rides in the key's last seven bits, below all
 //! that orders: whichever sight was the sharpest brings its own.
 //!
 //! Twins of the pure functions: `shaders/lib/sharpness_key.wgsl` and `sharpness_voxel.wgsl`. The GPU
