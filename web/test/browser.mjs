@@ -28,7 +28,7 @@ import {
   VIEWPORT,
 } from "./harness.mjs";
 import { checkOwn } from "./own.mjs";
-import { checkConditions, checkWalk } from "./people.mjs";
+import { checkChoices, checkConditions, checkWalk } from "./people.mjs";
 import * as pixels from "./pixels.mjs";
 import { becomeTelephone, checkSizes, checkTelephone, checkWindows, DENSITIES } from "./sizes.mjs";
 
@@ -239,6 +239,7 @@ async function main() {
     await checkWalk(page);
     await checkControls(page);
     await checkOwn(page);
+    await checkChoices(page);
     await checkSizes(page);
     await checkHiding(page);
     await checkDeviceLoss(page, complaints);

@@ -47,6 +47,34 @@ export async function checkWalk(page) {
   await setPaused(page, false);
 }
 
+/** An artist's choices are drawn, by a pipeline of their own, and an astigmat's view by another. */
+export async function checkChoices(page) {
+  await setPaused(page, true);
+  const shown = async (link) => {
+    await page.evaluate((hash) => (location.hash = hash), `v=1&scene=room&seed=1&${link}`);
+    await published(page, 6);
+    return panels(page);
+  };
+  await check("an artist's choice shows in the eye and not in the view", async () => {
+    const plain = await shown("patient=healthy-blue");
+    await shown("patient=healthy-blue&look_iris_brightness=3.5&look_refraction=0");
+    const bright = await until(MOTION_LIMIT_S, async () => {
+      const { eye, view } = changes(plain, await panels(page, "artist.png"));
+      assert(view < pixels.CHANGED_FRACTION, `${view} of the view`);
+      return eye > 0.005;
+    });
+    assert(bright, "the eye stays as it was");
+  });
+  await setPaused(page, false);
+  await check("an astigmat's view is drawn", async () => {
+    await page.evaluate(() => (location.hash = "v=1&scene=room&seed=1&patient=astigmat&cylinder_d=-6"));
+    assert(await until(MOTION_LIMIT_S, async () => /Astigmat/.test((await readState(page)).patient)), "she is not there");
+    await published(page, 6);
+    const { view } = await panels(page, "astigmat.png");
+    assert(pixels.isLitPicture(view), "the view is dark");
+  });
+}
+
 /** Scrolls the controls until one of them is in reach, and says where its middle is. */
 async function reach(page, name) {
   const inReach = async () => {
