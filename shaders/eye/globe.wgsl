@@ -142,6 +142,9 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 }
 #endif
 
+// Roughness of the wet white.
+const WHITE_ROUGHNESS: f32 = 0.24;
+
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var camera = in.camera;
@@ -181,6 +184,17 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     shade.sky = mix(shade.sky, in.tissue.a, 0.7 * in.tissue.b);
     shade.key = mix(shade.key, in.tissue.a, 0.7 * in.tissue.b);
 #endif
+#ifdef CONJUNCTIVA
+    // Where it is thick its papillae spread what its wet surface mirrors.
+    let lumps = in.tissue.b;
+#else
+    let lumps = 0.0;
+#endif
+#ifdef ARTISTIC
+    let white_roughness = globe.look.white_roughness;
+#else
+    let white_roughness = WHITE_ROUGHNESS;
+#endif
     let footprint = footprint_at(distance(p, camera));
     let v_head = head_from_eye() * -direction;
     var diffuse = vec3f(0.0);
@@ -200,15 +214,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #endif
         let n_white = head_from_eye() * sclera.normal;
         let n_wet = head_from_eye() * wet_normal;
-#ifdef CONJUNCTIVA
-        // And its papillae spread it.
-        var roughness = 0.24 + 0.14 * in.tissue.b;
-#else
-        var roughness = 0.24;
-#endif
-#ifdef ARTISTIC
-        roughness += globe.look.white_roughness - 0.24;
-#endif
+        let roughness = white_roughness + 0.14 * lumps;
         var light = ambient(n_white) * shade.sky;
         for (var i = 0; i < LAMPS; i++) {
             let lamp = illumination.lamps[i];
@@ -234,13 +240,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #endif
 
     let n_head = normalize(head_from_eye() * wet_normal);
-#ifdef CONJUNCTIVA
-    let broken = 0.16 + 0.2 * in.tissue.b;
-#else
-    let broken = 0.16;
-#endif
+    let broken = (0.16 + 0.2 * lumps) * (white_roughness / WHITE_ROUGHNESS);
 #ifdef ARTISTIC
-    let blur = mix(broken * globe.look.white_roughness / 0.24, globe.look.cornea_roughness, corneal);
+    let blur = mix(broken, globe.look.cornea_roughness, corneal);
     specular *= globe.look.white_specularity;
     let strength = mix(globe.look.white_specularity, globe.look.cornea_specularity, corneal);
     // As if the eye were seen from far away along the middle of the picture.

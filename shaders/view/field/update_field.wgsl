@@ -15,10 +15,10 @@ fn blur_now(pixel: vec2<u32>) -> vec2<f32> {
     let eccentricity = angle_between(ray, percept.fixation);
 #ifdef ASTIGMATISM
     let error = percept.refraction_d + (vergence - percept.focus_vergence_d);
-    let defocus = astigmatic_blur(percept.pupil_m, error, length(vec2<f32>(percept.j0_d, percept.j45_d)));
+    let ellipse = astigmatic_blur(percept.pupil_m, error, length(vec2<f32>(percept.j0_d, percept.j45_d)));
+    let defocus = ellipse.x;
 #else
-    let error = defocus_blur_angle(percept.pupil_m, vergence, percept.focus_vergence_d, percept.refraction_d);
-    let defocus = vec2<f32>(error, 0.0);
+    let defocus = defocus_blur_angle(percept.pupil_m, vergence, percept.focus_vergence_d, percept.refraction_d);
 #endif
     var neural = neural_blur(eccentricity, percept.neural_floor_rad, percept.eccentricity_e2_rad);
 #ifdef FIELD_LOSS
@@ -26,10 +26,14 @@ fn blur_now(pixel: vec2<u32>) -> vec2<f32> {
     let seen = seen_fraction(visual_field, perimetric_angles(ray, percept.fixation));
     neural = combined_blur(neural, (1.0 - seen) * percept.loss_blur_rad);
 #endif
-    let all = combined_blur(defocus.x, neural);
+    let all = combined_blur(defocus, neural);
+    var elongation = 0.0;
+#ifdef ASTIGMATISM
     // What else blurs is round.
-    let share = defocus.x / max(all, 1e-12);
-    return vec2<f32>(min(all, percept.coc_cap_rad), share * share * defocus.y);
+    let share = defocus / max(all, 1e-12);
+    elongation = share * share * ellipse.y;
+#endif
+    return vec2<f32>(min(all, percept.coc_cap_rad), elongation);
 }
 
 @compute @workgroup_size(8, 8)
