@@ -10,6 +10,7 @@ use crate::gpu::{Gpu, Twin, joined_library, library_folder, library_text};
 mod artistic;
 mod error_map;
 mod eye_light;
+mod inner_light;
 mod iris_light;
 mod light;
 mod percept;
@@ -200,6 +201,7 @@ fn no_library_file_goes_without_a_twin() {
         include_str!("shader_twins/refraction.rs"),
         include_str!("shader_twins/light.rs"),
         include_str!("shader_twins/eye_light.rs"),
+        include_str!("shader_twins/inner_light.rs"),
         include_str!("shader_twins/iris_light.rs"),
         include_str!("shader_twins/percept.rs"),
         include_str!("shader_twins/shading.rs"),
@@ -247,6 +249,10 @@ fn the_eyes_entry_files_bind_and_call() {
             "fragment",
             "fragment",
             "head_from_eye",
+            "inner_image",
+            "iris_lamp_at",
+            "lamp_at",
+            "mirror_eye",
             "mirrored",
             "shown",
             "through_cornea",

@@ -53,13 +53,22 @@ fn footprint_at(distance_mm: f32) -> f32 {
 // for each. Those that are not there give no light.
 const LAMPS: i32 = i32(#{LAMPS});
 
-// Radiance from the unit direction d of the head frame.
-fn mirrored(d: vec3<f32>, blur: f32) -> vec3<f32> {
+// A lamp as it is from the place p (mm) of the head frame.
+fn lamp_at(i: i32, p: vec3<f32>) -> Lamp {
+#ifdef NEAR_LAMPS
+    return lamp_from(illumination.lamps[i], p);
+#else
+    return illumination.lamps[i];
+#endif
+}
+
+// Radiance from the unit direction d of the head frame, as it is seen from the place p (mm).
+fn mirrored(p: vec3<f32>, d: vec3<f32>, blur: f32) -> vec3<f32> {
     var radiance = surroundings_radiance(around_map, around_sampler, d, blur);
 #ifdef BARE_LAMPS
     // Some stand in no map.
     for (var i = 0; i < LAMPS; i++) {
-        radiance += lamp_radiance(illumination.lamps[i], d, blur);
+        radiance += lamp_radiance(lamp_at(i, p), d, blur);
     }
 #endif
     return radiance;

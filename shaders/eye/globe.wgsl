@@ -70,6 +70,19 @@ struct Globe {
     iris_sky: array<vec4<f32>, 8>,
     // How deep its furrows are.
     iris_furrows: f32,
+    // Apical radius and shape factor of the lens's front and back, the latter bulging into the eye.
+    lens_front: vec2<f32>,
+    lens_back: vec2<f32>,
+    lens_thickness_mm: f32,
+    // That bends as the whole lens does.
+    lens_index: f32,
+    // Size of the entrance pupil against the hole in the iris.
+    pupil_magnification: f32,
+    // Vergence for which the eye is in focus now (1/mm), a power vector.
+    focus: vec3<f32>,
+    // What the fundus sends back, through the media.
+    fundus: vec3<f32>,
+    arcus: f32,
     tissue: IrisTissue,
     look: Look,
 };
@@ -82,7 +95,7 @@ struct Globe {
 // Azimuthal equidistant map of the globe's front, to 100 degrees: albedo without vessels.
 @group(#{MATERIAL_BIND_GROUP}) @binding(3) var sclera_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(4) var sclera_sampler: sampler;
-// Diffuse reflectance of the iris: u stromal path, v melanin of the border layer, of all light and below of what is scattered
+// Diffuse reflectance of the iris: u stromal path, v root of the melanin of the border layer, of all light and below of what is scattered
 // more than once.
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var reflectance_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var reflectance_sampler: sampler;
@@ -96,6 +109,31 @@ fn head_from_eye() -> mat3x3f {
 }
 
 #ifdef CORNEA
+fn mirror_eye() -> MirrorEye {
+    return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.lens_front, globe.lens_back, globe.thickness_mm, globe.iris_depth_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
+}
+
+// Radiance that a surface within the eye mirrors, where it comes from within `open` mm of the pupil's middle.
+fn inner_image(image: LensMirrored, open: f32) -> vec3f {
+    let comes = step(0.5, dot(image.direction, image.direction)) * step(distance(image.crossing, globe.pupil_center_mm), open);
+    let apex = vec3f(0.0, 0.0, -globe.apex_mm);
+    let outside = normalize(image.direction + vec3f(0.0, 0.0, -1e-3));
+    return mirrored(head_from_eye() * (image.exit + apex), head_from_eye() * outside, 0.02) * (image.share * comes);
+}
+
+// A lamp as it is where its light to a place of the iris' plane enters the cornea, eye frame.
+fn iris_lamp_at(i: i32, at: vec2f) -> Lamp {
+    var lamp = illumination.lamps[i];
+    // A row times the turn into the head is the column times the turn out of it.
+    lamp.direction = lamp.direction * head_from_eye();
+#ifdef NEAR_LAMPS
+    let apex = vec3f(0.0, 0.0, -globe.apex_mm);
+    let surface = vec2f(globe.anterior_radius_mm, globe.anterior_p);
+    lamp = iris_near_lamp(light_table, reflectance_sampler, lamp, apex, vec3f(at, globe.iris_depth_mm), surface, globe.aqueous_index, globe.iris_root_mm, globe.limbus_mm);
+#endif
+    return lamp;
+}
+
 // What is seen through the cornea: iris and pupil, dimmed by the two interfaces.
 fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidShade) -> vec3f {
 #ifdef ARTISTIC
@@ -115,30 +153,51 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
     var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * ambient(-head_from_eye()[2]) * shade.sky;
     var lamps = vec3f(0.0);
+    var reflex = vec3f(0.0);
     for (var i = 0; i < LAMPS; i++) {
-        let lamp = illumination.lamps[i];
-        let color = lamp.color * shade.key;
-        // A row times the turn into the head is the column times the turn out of it.
+        let lamp = iris_lamp_at(i, surface.at);
+        let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, surface.at, globe.iris_root_mm, globe.limbus_mm);
+        // In the lids' shade where it enters.
+        let enters = light_entry(vec3f(surface.at, globe.iris_depth_mm), arrives.xyz, vec2f(globe.anterior_radius_mm, globe.anterior_p));
+        let lids = lid_shade(globe.lids, head_from_eye() * (enters - vec3f(0.0, 0.0, globe.apex_mm)));
+        let color = lamp.color * lid_lamp(lids, head_from_eye() * lamp.direction, lamp.radius);
         var concentrated = 1.0;
 #ifdef ARTISTIC
-        let own = iris_light(light_table, reflectance_sampler, lamp.direction * head_from_eye(), surface.at, globe.iris_root_mm, globe.limbus_mm).w;
-        concentrated = caustic_change(own, globe.look.caustic_scale, globe.look.caustic_power);
+        concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
 #endif
-        lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, light_table, reflectance_sampler, iris, globe.tissue, surface, lamp.direction * head_from_eye());
+        lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
         lamps += color;
+#ifdef NEAR_LAMPS
+        // Seen from the middle of the entrance pupil, which stands about as deep as the iris.
+        var own = illumination.lamps[i];
+        own.direction = own.direction * head_from_eye();
+        let seen = lamp_from(own, vec3f(globe.pupil_center_mm, globe.iris_depth_mm - globe.apex_mm));
+        let off = (trace.point.xy - globe.pupil_center_mm) * globe.pupil_magnification;
+        reflex += seen.color * lid_lamp(shade, head_from_eye() * seen.direction, seen.radius) * fundus_reflex(seen.direction, seen.radius, seen.hole, own.vergence * (seen.radius / max(own.radius, 1e-6)), -direction, off, globe.focus, globe.pupil_radius_mm * globe.pupil_magnification);
+#endif
     }
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
 #ifdef CLOUDED
-    lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, trace.direction.xy / max(trace.direction.z, 0.2), globe.lens_turn);
+    let slope = trace.direction.xy / max(trace.direction.z, 0.2);
+    lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
+#ifdef NEAR_LAMPS
+    reflex *= lens_clear(globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
 #endif
+#endif
+    // The second Purkinje image, of the cornea's back, and the third and fourth, of the lens.
+    let eye = mirror_eye();
+    let entered = snell_refract(direction, conicoid_normal(trace.entry, eye.anterior.x, eye.anterior.y), 1.0 / eye.n_cornea);
+    let second = inner_image(mirror_cornea(trace.entry, entered.xyz, eye), 100.0);
+    let inner = inner_image(mirror_lens_front(trace.point, trace.direction, eye), globe.pupil_radius_mm) + inner_image(mirror_lens_back(trace.point, trace.direction, eye), globe.pupil_radius_mm);
     // Radiance spreads where it leaves the aqueous; what the lens sends back is as it is seen from outside.
     lit /= globe.aqueous_index * globe.aqueous_index;
 #ifdef ARTISTIC
     lit *= globe.look.iris_brightness;
 #endif
-    let inside = iris_and_pupil(pupil_radiance(lamps, lens), lit, edge, place.uv.y);
-    return inside * trace.transmittance;
+    let behind = pupil_radiance(lamps, lens) + reflex * globe.fundus + inner;
+    let inside = iris_and_pupil(behind, lit, edge, place.uv.y);
+    return (inside + second) * trace.transmittance;
 }
 #endif
 
@@ -161,28 +220,33 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let direction = normalize(p - camera);
     var corneal = 0.0;
 #ifdef CORNEA
+    var sine = 0.0;
+    var from_axis = 0.0;
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let origin = camera - apex;
     let t = conicoid_intersect(origin, direction, globe.anterior_radius_mm, globe.anterior_p);
     if t > 0.0 {
         let hit = origin + t * direction;
         let r = length(hit.xy);
+        sine = hit.y / max(r, 1e-3);
+        from_axis = r;
+        let wide = limbus_width(sine);
 #ifdef ARTISTIC
-        corneal = limbus_share(limbus_place(r, globe.limbus_mm, globe.look.limbus_color_mm), globe.limbus_mm);
+        corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_color_mm), globe.limbus_mm);
         let shaped = limbus_share(limbus_place(r, globe.limbus_mm, globe.look.limbus_shading_mm), globe.limbus_mm);
 #else
-        corneal = limbus_share(r, globe.limbus_mm);
+        corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * 0.9), globe.limbus_mm);
         let shaped = corneal;
 #endif
         if r < globe.limbus_mm { p = hit + apex; }
         normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior_radius_mm, globe.anterior_p), shaped);
     }
 #endif
-    var shade = lid_shade(globe.lids, head_from_eye() * p);
+    let p_head = head_from_eye() * p;
+    var shade = lid_shade(globe.lids, p_head);
 #ifdef CONJUNCTIVA
     // Towards the corner it rises to the margins, and less hangs over it.
     shade.sky = mix(shade.sky, in.tissue.a, 0.7 * in.tissue.b);
-    shade.key = mix(shade.key, in.tissue.a, 0.7 * in.tissue.b);
 #endif
 #ifdef CONJUNCTIVA
     // Where it is thick its papillae spread what its wet surface mirrors.
@@ -217,10 +281,14 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let roughness = white_roughness + 0.14 * lumps;
         var light = ambient(n_white) * shade.sky;
         for (var i = 0; i < LAMPS; i++) {
-            let lamp = illumination.lamps[i];
-            light += lamp.color * shade.key * sclera_lamp(dot(n_white, lamp.direction));
+            let lamp = lamp_at(i, p_head);
+            var left = lid_lamp(shade, lamp.direction, lamp.radius);
+#ifdef CONJUNCTIVA
+            left = mix(left, in.tissue.a, 0.7 * in.tissue.b);
+#endif
+            light += lamp.color * left * sclera_lamp(dot(n_white, lamp.direction));
             let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius);
-            specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * shade.key * (1.0 - corneal));
+            specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * left * (1.0 - corneal));
         }
         var albedo = sclera.albedo;
 #ifdef CONJUNCTIVA
@@ -235,7 +303,18 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #else
         let ring = limbus_tint(corneal);
 #endif
-        diffuse = mix(diffuse, through_cornea(origin, direction, footprint, shade), corneal) * ring;
+        var through = through_cornea(origin, direction, footprint, shade);
+#ifdef ARCUS
+        // Lipid in the rim of the stroma, lit as the white is.
+        let n_cornea = head_from_eye() * normal;
+        var light = ambient(n_cornea) * shade.sky;
+        for (var i = 0; i < LAMPS; i++) {
+            let lamp = lamp_at(i, p_head);
+            light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
+        }
+        through = mix(through, ARCUS_COLOR * light, arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus));
+#endif
+        diffuse = mix(diffuse, through, corneal) * ring;
     }
 #endif
 
@@ -247,12 +326,12 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let strength = mix(globe.look.white_specularity, globe.look.cornea_specularity, corneal);
     // As if the eye were seen from far away along the middle of the picture.
     let along = normalize((head_from_eye() * camera));
-    specular += 0.25 * globe.look.matcap * mirrored(reflect(-along, n_head), 0.05);
+    specular += 0.25 * globe.look.matcap * mirrored(p_head, reflect(-along, n_head), 0.05);
 #else
     let blur = mix(broken, 0.012, corneal);
     let strength = 1.0;
 #endif
-    let around = mirrored(reflect(-v_head, n_head), blur);
+    let around = mirrored(p_head, reflect(-v_head, n_head), blur);
     specular += strength * tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, globe.lipid_nm, shade.upper_gap);
     return vec4f(shown(diffuse + specular), 1.0);
 }

@@ -17,7 +17,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let color = mix(hair.root, hair.tip, in.tissue.w);
     var radiance = hair_ambient(color, ambient(vec3(0.0, 0.3, -0.9)));
     for (var i = 0; i < LAMPS; i++) {
-        let lamp = illumination.lamps[i];
+        let lamp = lamp_at(i, in.position);
         radiance += lamp.color * hair_lamp(color, along, v, lamp.direction);
     }
     return vec4(shown(radiance), 1.0);

@@ -36,14 +36,14 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var light = ambient(n) * skin_openness(in.tissue);
     var sheen = vec3(0.0);
     for (var i = 0; i < LAMPS; i++) {
-        let lamp = illumination.lamps[i];
+        let lamp = lamp_at(i, p);
         light += lamp.color * skin_lamp(n, in.tissue, lamp.direction);
         sheen += lamp.color * skin_lamp_sheen(n, v, in.tissue, skin.roughness, lamp.direction, lamp.radius);
     }
     let r = reflect(-v, n);
     var around = vec3(0.0);
     if in.tissue.r > 0.02 {
-        around = mirrored(r, 0.10);
+        around = mirrored(p, r, 0.10);
     }
     let radiance = albedo * light + skin_specular(sheen, ambient(r), around, n, v, in.tissue);
     return vec4(shown(radiance), 1.0);

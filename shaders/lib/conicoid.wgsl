@@ -58,14 +58,3 @@ fn conicoid_normal(point: vec3f, radius: f32, p: f32) -> vec3f {
     }
     return gradient * inverseSqrt(squared);
 }
-
-// Depth of the surface below the apex plane at distance `r` from the axis; past the equator of
-// an ellipsoid, the equator's depth.
-fn conicoid_sag(r: f32, radius: f32, p: f32) -> f32 {
-    if p <= 0.0 {
-        return r * r / (radius + sqrt(radius * radius - p * r * r));
-    }
-    // R² − p r² as a product: near the equator the difference would lose its digits.
-    let w = min(sqrt(p) * abs(r), radius);
-    return w * w / (p * (radius + sqrt((radius - w) * (radius + w))));
-}

@@ -100,7 +100,7 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
 fn iris_reflectance(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface, towards_z: f32, half: f32) -> vec3f {
     let path = iris_path(surface.smooth_texel.thickness, towards_z, -dot(surface.smooth_normal, surface.direction));
     let rows = 0.5 * f32(textureDimensions(reflectance_map).y);
-    let row = clamp(surface.texel.melanin * rows, 0.5, rows - 0.5);
+    let row = clamp(sqrt(max(surface.texel.melanin, 0.0)) * rows, 0.5, rows - 0.5);
     return textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, 0.5 * (row / rows + half)), 0.0).rgb;
 }
 
@@ -134,10 +134,8 @@ fn iris_scattered_once(tissue: IrisTissue, surface: IrisSurface, towards: vec3f,
     return tissue.weights * (scattered * exp(-(tissue.stroma * ridge + border * covers)));
 }
 
-// What the iris sends back of a lamp with an irradiance / pi of one in the unit direction `light` of the eye
-// frame.
-fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, light_table: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, light: vec3f) -> vec3f {
-    let arrives = iris_light(light_table, linear, light, surface.at, iris.root, iris.limbus);
+// What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`).
+fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, arrives: vec4f) -> vec3f {
     let ridge = relief_ridge(map, polar, iris, surface.place, surface.texel.height, arrives.xyz, surface.lod);
     // Across the beam, from the plane of the iris.
     let across = arrives.w / max(-arrives.z, 0.2);

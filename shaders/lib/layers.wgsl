@@ -5,9 +5,6 @@
 // Digits: e^-x carries x roundings of its argument, 1e-6 of itself at a depth of 20. Nothing else
 // grows: neither vanishing extinction nor equal depths at both ends cost a digit.
 
-// Smallest cosine to the normal that is computed.
-const LAYER_GRAZING_COS: f32 = 1e-6;
-
 // Mean of e^-depth along a segment whose optical depth changes linearly from `start` to `end` (0 or
 // more).
 fn layer_mean_transmittance(start: vec3f, end: vec3f) -> vec3f {
@@ -28,30 +25,4 @@ fn layer_mean_transmittance(start: vec3f, end: vec3f) -> vec3f {
 // the light's path to the points goes linearly from `light_start` to `light_end`.
 fn layer_segment_scatter(extinction: vec3f, scattering: vec3f, length: f32, light_start: f32, light_end: f32) -> vec3f {
     return scattering * length * layer_mean_transmittance(extinction * light_start, extinction * (light_end + length));
-}
-
-// What a layer adds to the reflected BRDF: light enters the stack at `cos_in`, leaves it at `cos_out`
-// to the normal; `above` is the optical depth of the layers in front.
-fn layer_reflect_once(above: vec3f, extinction: vec3f, scattering: vec3f, thickness: f32, cos_in: f32, cos_out: f32) -> vec3f {
-    if cos_in <= 0.0 || cos_out <= 0.0 {
-        return vec3f(0.0);
-    }
-    let into = max(cos_in, LAYER_GRAZING_COS);
-    let out = max(cos_out, LAYER_GRAZING_COS);
-    let slant = 1.0 / into + 1.0 / out;
-    let mean = layer_mean_transmittance(above * slant, (above + extinction * thickness) * slant);
-    return scattering * thickness * mean / (into * out);
-}
-
-// What a layer adds to the transmitted BTDF; `below` is the optical depth of the layers behind.
-fn layer_transmit_once(above: vec3f, below: vec3f, extinction: vec3f, scattering: vec3f, thickness: f32, cos_in: f32, cos_out: f32) -> vec3f {
-    if cos_in <= 0.0 || cos_out <= 0.0 {
-        return vec3f(0.0);
-    }
-    let into = max(cos_in, LAYER_GRAZING_COS);
-    let out = max(cos_out, LAYER_GRAZING_COS);
-    let own = extinction * thickness;
-    let first = above / into + (own + below) / out;
-    let last = (above + own) / into + below / out;
-    return scattering * thickness * layer_mean_transmittance(first, last) / (into * out);
 }

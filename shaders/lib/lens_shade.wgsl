@@ -7,6 +7,8 @@ const NUCLEUS_RADIUS_MM: f32 = 2.75;
 const CORTEX_DEPTH_MM: f32 = 0.6;
 const NUCLEUS_DEPTH_MM: f32 = 1.8;
 const CAPSULE_DEPTH_MM: f32 = 3.8;
+// Share of light that a cloud takes out of its way.
+const LENS_OPAQUE: f32 = 0.9;
 const CORTEX_COLOR = vec3<f32>(0.13, 0.135, 0.14);
 
 // Share of a place that wedges of clouded cortex cover, which cover this share of the lens. They begin at
@@ -24,6 +26,21 @@ fn capsule_cloud(place_mm: vec2<f32>, radius_mm: f32) -> f32 {
     let grain = sin(7.1 * place_mm.x + 2.3 * sin(4.7 * place_mm.y)) * sin(6.3 * place_mm.y + 1.9 * sin(5.9 * place_mm.x));
     let edge = radius_mm * (0.9 + 0.1 * grain) - length(place_mm);
     return smoothstep(-0.2, 0.2, edge) * (0.75 + 0.25 * grain);
+}
+
+// Share of light that crosses a clouded lens on its way out, as it is seen against a bright fundus: what is opaque scatters
+// nearly all of it aside. The arguments are those of `lens_cloud`.
+fn lens_clear(capsule_radius_mm: f32, cortical_share: f32, place_mm: vec2<f32>, slope: vec2<f32>, turn: f32) -> f32 {
+    var clear = 1.0;
+    let behind = place_mm + slope * CAPSULE_DEPTH_MM;
+    if capsule_radius_mm * (LENS_RADIUS_MM - length(behind)) > 0.0 {
+        clear *= 1.0 - LENS_OPAQUE * clamp(capsule_cloud(behind, capsule_radius_mm), 0.0, 1.0);
+    }
+    let before = place_mm + slope * CORTEX_DEPTH_MM;
+    if cortical_share * length(before) > 0.0 {
+        clear *= 1.0 - LENS_OPAQUE * cortical_wedges(before, cortical_share, turn);
+    }
+    return clear;
 }
 
 // What a clouded lens sends back of the irradiance / pi on it, linear sRGB: `nucleus` that of the nucleus,

@@ -19,11 +19,15 @@ fn lid_height(heights: array<vec4<f32>, 8>, x: f32) -> f32 {
     return mix(a, b, at - f32(i));
 }
 
-struct LidShade { sky: f32, key: f32, upper_gap: f32, lower_gap: f32 };
+// `contact` is what of any lamp the lower lid's edge leaves.
+struct LidShade { sky: f32, contact: f32, upper_gap: f32, lower_gap: f32 };
 
-// How much of the sky and of the key light the lids leave at a point p (head
-// frame) of the globe: the upper lid and its lashes overhang, so that a soft
-// band lies below its margin; the lower lid only touches.
+// How far (mm) the edge of the upper lid that casts its shadow stands before the globe, and how soft that edge is.
+const LID_EDGE_MM: f32 = 1.3;
+const LID_EDGE_SOFT_MM: f32 = 1.2;
+
+// How much of the sky and of lamps the lids leave at a point p (head frame) of the globe: the upper lid and its lashes
+// overhang, so that a soft band lies below its margin; the lower lid only touches.
 fn lid_shade(lids: Lids, p: vec3<f32>) -> LidShade {
     let upper = lid_height(lids.upper, p.x) - p.y;
     let lower = p.y - lid_height(lids.lower, p.x);
@@ -31,8 +35,17 @@ fn lid_shade(lids: Lids, p: vec3<f32>) -> LidShade {
     let l = max(lower, 0.0);
     var shade: LidShade;
     shade.sky = (1.0 - 0.55 * exp(-u / 1.3)) * (1.0 - 0.5 * exp(-l / 0.8));
-    shade.key = smoothstep(-0.9, 1.9, upper) * (1.0 - 0.4 * exp(-l / 0.5));
+    shade.contact = 1.0 - 0.4 * exp(-l / 0.5);
     shade.upper_gap = upper;
     shade.lower_gap = lower;
     return shade;
+}
+
+// How much of a lamp of angular radius `radius` (rad) in the unit direction `light` (head frame) the lids leave where that is
+// their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands.
+fn lid_lamp(shade: LidShade, light: vec3<f32>, radius: f32) -> f32 {
+    let rise = clamp(light.y / max(-light.z, 0.2), -2.0, 3.0);
+    let below = shade.upper_gap - LID_EDGE_MM * rise;
+    let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * min(radius, 1.0);
+    return smoothstep(-soft, soft, below) * shade.contact;
 }

@@ -12,6 +12,7 @@
 use super::gaze::GazeAngles;
 use crate::optics::defocus::PowerVector;
 use crate::optics::pupil::entrance_pupil_magnification;
+use crate::optics::smoothstep::smoothstep;
 use crate::tissue::iris_reflectance::IrisPigment;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::math::{DVec3, Quat};
@@ -161,9 +162,22 @@ pub struct Cornea {
     pub limbus_radius_mm: f64,
     /// Thickness of the tear film's lipid layer, nm.
     pub lipid_thickness_nm: f64,
+    /// Lipid in the periphery of the stroma, 0 (none) to 1 (a dense arcus senilis); `None`: by age.
+    pub arcus: Option<f64>,
 }
 
+/// Years at which an arcus begins to show, and at which it would be complete.
+const ARCUS_YEARS: [f64; 2] = [45.0, 110.0];
+
 impl Cornea {
+    /// The arcus that it has at this age (years), 0 to 1.
+    pub fn arcus_at(&self, age_years: f64) -> f64 {
+        let [begins, complete] = ARCUS_YEARS;
+        self.arcus
+            .unwrap_or_else(|| smoothstep(begins, complete, age_years))
+            .clamp(0.0, 1.0)
+    }
+
     /// Diameter of the entrance pupil in that of the stop, for an iris this far (mm) behind the apex.
     pub fn pupil_magnification(&self, iris_depth_mm: f64) -> f64 {
         entrance_pupil_magnification(
@@ -225,6 +239,12 @@ pub struct Iris {
     pub depth_mm: f64,
     /// Radius of the iris root, mm.
     pub root_radius_mm: f64,
+    /// Freckles on it, 0 to 80: clusters of melanocytes on the border layer, denser than its own.
+    pub freckles: f64,
+    /// Width of a sector of another colour, brown, degrees, 0 (none) to 360: sectoral heterochromia.
+    pub sector_deg: f64,
+    /// Where its middle stands, degrees, as axes are: from the examiner's right, counter-clockwise.
+    pub sector_at_deg: f64,
     /// Decentration of the pupil from the corneal axis, mm: nasal positive, superior positive.
     pub pupil_decentration_mm: [f64; 2],
 }

@@ -26,6 +26,9 @@ fn vertical_field(aspect: f32) -> f32 {
     2.0 * (HALF_FIELD.tan() * share).atan()
 }
 
+/// What an eye camera looks at, in the head's frame from the globe's centre, mm: a little behind the cornea.
+const TARGET_MM: Vec3 = Vec3::new(0.0, 0.0, -10.5);
+
 /// How finely an eye camera draws.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component)]
@@ -95,12 +98,15 @@ impl EyeOrbit {
         )
     }
 
+    /// Where the camera stands in the head's frame, from the globe's centre, mm.
+    pub fn place_mm(self) -> Vec3 {
+        TARGET_MM + self.direction() * (self.distance_mm + 2.0)
+    }
+
     /// Where the camera stands in the space of the eye, m.
     fn transform(self) -> Transform {
-        let direction = self.direction();
-        let target = Vec3::new(0.0, 0.0, -10.5) * METRES_A_MM;
-        let distance_m = (self.distance_mm + 2.0) * METRES_A_MM;
-        Transform::from_translation(target + direction * distance_m).looking_at(target, Vec3::Y)
+        let target = TARGET_MM * METRES_A_MM;
+        Transform::from_translation(self.place_mm() * METRES_A_MM).looking_at(target, Vec3::Y)
     }
 }
 

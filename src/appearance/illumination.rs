@@ -20,6 +20,8 @@ pub struct Lamp {
     /// What it is mirrored as: a disc (0), a ring whose hole has this share of its radius (to 1), or nothing,
     /// as it stands in the map of the surroundings (−1).
     pub hole: f32,
+    /// One over its distance from the globe's centre, 1/mm; 0 far away.
+    pub vergence: f32,
 }
 
 impl Default for Lamp {
@@ -29,6 +31,7 @@ impl Default for Lamp {
             radius: 0.05,
             color: Vec3::ZERO,
             hole: -1.0,
+            vergence: 0.0,
         }
     }
 }
@@ -64,13 +67,18 @@ impl Illumination {
                 .find(|most| count <= *most)
                 .unwrap_or(MOST_LAMPS) as u32,
             has_bare: self.lamps.iter().any(|lamp| lit(lamp) && lamp.hole >= 0.0),
+            has_near: self
+                .lamps
+                .iter()
+                .any(|lamp| lit(lamp) && lamp.vergence > 0.0),
         }
     }
 }
 
-/// How many lamps a pipeline looks at, and whether any of them stands in no map.
+/// How many lamps a pipeline looks at, whether any of them stands in no map, and whether any is near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightKey {
     pub(super) lamps: u32,
     pub(super) has_bare: bool,
+    pub(super) has_near: bool,
 }

@@ -77,6 +77,10 @@ pub struct IrisMapSettings {
     pub central_heterochromia: f32,
     /// Freckles on the border layer, 0–80.
     pub freckle_count: u32,
+    /// Density of the border layer's own melanin in that of freckles and of another colour's sector, 0–1.
+    pub own_melanin: f32,
+    /// Middle, as a fraction of a turn, and half-width of a sector as dense as a brown iris's; no width: none.
+    pub sector: [f32; 2],
     /// How much the anterior border layer mats the strands over, 0 (blue, bare trabeculae) – 1
     /// (dark brown, velvet).
     pub border_layer_cover: f32,
@@ -94,6 +98,8 @@ impl Default for IrisMapSettings {
             furrow_count: 4,
             central_heterochromia: 0.3,
             freckle_count: 5,
+            own_melanin: 1.0,
+            sector: [0.0; 2],
             border_layer_cover: 0.15,
         }
     }
@@ -134,6 +140,8 @@ impl IrisMapSettings {
                 default.central_heterochromia,
             ),
             freckle_count: self.freckle_count.min(80),
+            own_melanin: unit_or(self.own_melanin, default.own_melanin),
+            sector: self.sector.map(|turns| unit_or(turns, 0.0)),
             border_layer_cover: unit_or(self.border_layer_cover, default.border_layer_cover),
         }
     }

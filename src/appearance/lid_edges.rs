@@ -113,6 +113,7 @@ mod tests {
             aqueous_index: 1.336,
             limbus_radius_mm: 5.85,
             lipid_thickness_nm: 55.0,
+            arcus: None,
         };
         lid_edges(&eye, &cornea, 3.6, &gaze, lids)
     }
@@ -149,6 +150,9 @@ mod tests {
             eumelanin_ratio: None,
             depth_mm: 3.6,
             root_radius_mm: 6.05,
+            freckles: 0.0,
+            sector_deg: 0.0,
+            sector_at_deg: 0.0,
             pupil_decentration_mm: [0.2, 0.0],
         };
         for mrd1_mm in [4.4, 3.0, 2.0, 1.0, 0.0, -1.0, -3.0] {

@@ -2,8 +2,8 @@
 
 use super::eye_camera::{EyeCamera, EyeOrbit};
 use super::illumination::{Illumination, Lamp, MOST_LAMPS};
-use super::model::{EyeAssets, EyeLight, EyeParts, EyeSurroundings};
-use super::studio::{Studio, StudioLight, ring};
+use super::model::{EyeAssets, EyeLight, EyeParts, EyeSurroundings, METRES_A_MM};
+use super::studio::Studio;
 use super::surroundings::Surroundings;
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::GlobalAmbientLight;
@@ -11,6 +11,9 @@ use bevy::prelude::*;
 use core::f32::consts::PI;
 use std::sync::Arc;
 
+/// A lamp further away than this is as good as at infinity, m: across the face its direction and its light are the same to a
+/// fiftieth of a radian and a twentieth.
+const NEAR_M: f32 = 2.0;
 /// Smallest angular radius of a lamp that is mirrored, rad: of the sun, and of what looks like a point.
 const SUN_RAD: f32 = 0.00465;
 
@@ -23,6 +26,8 @@ struct Arriving {
     over_pi: Vec3,
     /// Angular radius, rad.
     radius_rad: f32,
+    /// One over its distance, 1/mm of the eye's own; 0 far away.
+    vergence: f32,
 }
 
 impl Arriving {
@@ -85,7 +90,7 @@ fn shines(visibility: Option<&InheritedVisibility>) -> bool {
 impl WorldLights<'_, '_> {
     /// The lights that shine on a place of the world, strongest first.
     fn at(&self, place: &GlobalTransform, layers: Option<&RenderLayers>) -> Vec<Arriving> {
-        let (_, head, eye) = place.to_scale_rotation_translation();
+        let (scale, head, eye) = place.to_scale_rotation_translation();
         let to_head = head.inverse();
         let suns = self
             .suns
@@ -95,6 +100,7 @@ impl WorldLights<'_, '_> {
             direction: to_head * -Vec3::from(transform.forward()),
             over_pi: linear(sun.color) * (sun.illuminance / PI),
             radius_rad: SUN_RAD,
+            vergence: 0.0,
         });
         // Bevy's point and spot lights send Φ/4π in every direction.
         let near =
@@ -106,6 +112,11 @@ impl WorldLights<'_, '_> {
                     over_pi: linear(color)
                         * (share * lumen / (4.0 * PI * distance * distance * PI)),
                     radius_rad: (radius / distance).atan().max(SUN_RAD),
+                    vergence: if distance < NEAR_M {
+                        scale.x.abs() * METRES_A_MM / distance
+                    } else {
+                        0.0
+                    },
                 }
             };
         let points = self.points.iter().filter(|point| {
@@ -159,6 +170,7 @@ impl WorldLights<'_, '_> {
                 radius: light.radius_rad,
                 color: light.over_pi,
                 hole: 0.0,
+                vergence: light.vergence,
             })
             .collect();
         for light in lights.iter().skip(MOST_LAMPS) {
@@ -221,15 +233,10 @@ pub fn light_eyes(
         };
         let mut illumination = around.illumination();
         if let LitBy::Studio(studio) = of
-            && studio.light == StudioLight::Ring
+            && studio.light.is_on_the_lens()
             && let Some((_, orbit)) = cameras.iter().find(|(camera, _)| camera.0 == entity)
         {
-            // The flash is where the lens is.
-            let first = &mut illumination.lamps[0];
-            *first = Lamp {
-                color: first.color,
-                ..ring(orbit.direction(), orbit.distance_mm)
-            };
+            illumination.lamps[0] = studio.light.on_the_lens(orbit);
         }
         let map = match known {
             Some(lit)

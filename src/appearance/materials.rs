@@ -106,6 +106,22 @@ pub struct GlobeUniform {
     pub iris_sky: [Vec4; SKY_RADII / 4],
     /// How deep its furrows are against the map's.
     pub iris_furrows: f32,
+    /// Apical radius and shape factor of the lens's front.
+    pub lens_front: Vec2,
+    /// Those of its back, which bulges into the eye.
+    pub lens_back: Vec2,
+    /// Of the lens.
+    pub lens_thickness_mm: f32,
+    /// Its equivalent index.
+    pub lens_index: f32,
+    /// Size of the entrance pupil against the hole in the iris.
+    pub pupil_magnification: f32,
+    /// Vergence for which the eye is in focus now, 1/mm: a power vector of the eye frame.
+    pub focus: Vec3,
+    /// Equivalent reflectance of the fundus, linear sRGB.
+    pub fundus: Vec3,
+    /// Lipid in the rim of the cornea, 0 to 1.
+    pub arcus: f32,
     /// What the iris is made of.
     pub tissue: IrisTissueUniform,
     /// What an artist has changed.
@@ -167,6 +183,7 @@ pub struct GlobeKey {
     part: GlobePart,
     clouded: bool,
     artistic: bool,
+    arcus: bool,
     light: LightKey,
 }
 
@@ -176,6 +193,7 @@ impl From<&GlobeMaterial> for GlobeKey {
             part: material.part,
             clouded: material.clouded,
             artistic: material.artistic,
+            arcus: material.globe.arcus > 0.0,
             light: material.illumination.key(),
         }
     }
@@ -352,7 +370,9 @@ macro_rules! eye_material {
                     .then_some("RADIANCE");
                 if let Some(fragment) = &mut descriptor.fragment {
                     let bare = light.has_bare.then_some("BARE_LAMPS");
-                    let defines = define(key).into_iter().chain(radiance).chain(bare);
+                    let near = light.has_near.then_some("NEAR_LAMPS");
+                    let defines = define(key).into_iter().chain(radiance);
+                    let defines = defines.chain(bare).chain(near);
                     fragment.shader_defs.extend(defines.map(Into::into));
                     let lamps = ShaderDefVal::UInt("LAMPS".into(), light.lamps);
                     fragment.shader_defs.push(lamps.clone());
@@ -379,6 +399,9 @@ eye_material!(
         };
         if key.part == GlobePart::Cornea && key.clouded {
             defines.push("CLOUDED");
+        }
+        if key.part == GlobePart::Cornea && key.arcus {
+            defines.push("ARCUS");
         }
         if key.artistic {
             defines.push("ARTISTIC");

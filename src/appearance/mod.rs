@@ -76,6 +76,7 @@ impl Plugin for AppearancePlugin {
                 pose::move_eyes,
                 pose::move_lids,
                 pose::cloud_lenses,
+                pose::focus_lenses,
                 pose::apply_looks,
                 eye_camera::aim_cameras,
                 eye_camera::wake_cameras,

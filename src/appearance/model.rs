@@ -23,7 +23,8 @@ use super::tissue_maps::{
     skin_image, static_uniform,
 };
 use crate::anatomy::{
-    Cornea, Effective, Eye, EyeFinder, Iris, Laterality, Look, OcularMedia, Patient, Sclera, Skin,
+    Cornea, Effective, Eye, EyeFinder, Iris, Laterality, Look, OcularMedia, Patient, Refraction,
+    Sclera, Skin,
 };
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
@@ -134,6 +135,9 @@ pub struct EyeParts {
     pub(super) lit: Option<Lit>,
     #[reflect(ignore)]
     pub(super) media: Option<OcularMedia>,
+    /// The refraction and the accommodation (in [`super::pose::FOCUS_STEPS`]) that its lens has.
+    #[reflect(ignore)]
+    pub(super) focus: Option<(Refraction, i32)>,
     #[reflect(ignore)]
     pub(super) look: Option<Look>,
     #[reflect(ignore)]
@@ -384,6 +388,7 @@ impl Builder<'_, '_, '_, '_> {
         parts.shape = Some(shape);
         parts.head_from_eye = None;
         parts.media = None;
+        parts.focus = None;
         parts.look = None;
         parts.built += 1;
         Ok(())

@@ -5,8 +5,15 @@ use super::iris_map::{furrow_depth, thicken};
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
-use crate::anatomy::{Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia, Pupil};
+use super::tissue_maps::fundus;
+use crate::anatomy::{
+    Accommodation, Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia, Pupil,
+    Refraction,
+};
 use crate::frame::ledger::WorkLedger;
+use crate::optics::defocus::PowerVector;
+use crate::optics::lens_mirror::LensShape;
+use bevy::math::DVec3;
 use bevy::prelude::*;
 
 /// What of an eye moves its globe.
@@ -84,11 +91,50 @@ pub fn cloud_lenses(
         for (_, material) in &parts.globe {
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.clouded = !media.is_clear();
+                let through = media.transmittance();
+                material.globe.fundus = fundus() * through * through;
                 material.globe.lens = media.healthy_backscatter();
                 material.globe.nucleus = media.nucleus_color();
                 material.globe.cortical_share = media.cortical_share as f32;
                 material.globe.capsule = media.capsule_color();
                 material.globe.capsule_radius_mm = 0.5 * media.subcapsular_mm as f32;
+            }
+        }
+    }
+}
+
+/// Steps of a dioptre in which a lens changes its shape.
+pub const FOCUS_STEPS: f64 = 50.0;
+
+/// Shapes the lenses by what they are focused for, where that has changed (Navarro, Santamaría and Bescós 1985).
+pub fn focus_lenses(
+    eyes: Query<(&Effective<Refraction>, &Accommodation)>,
+    mut models: Query<(&mut EyeParts, &Visibility)>,
+    mut assets: EyeAssets,
+) {
+    for (mut parts, visibility) in &mut models {
+        let Some(Ok((refraction, accommodation))) = parts.eye.map(|eye| eyes.get(eye)) else {
+            continue;
+        };
+        let steps = (accommodation.response_d * FOCUS_STEPS).round() as i32;
+        if is_hidden(visibility) || parts.focus == Some((refraction.0, steps)) {
+            continue;
+        }
+        let parts = &mut *parts;
+        parts.focus = Some((refraction.0, steps));
+        let response_d = f64::from(steps) / FOCUS_STEPS;
+        let lens = LensShape::accommodated(response_d);
+        let PowerVector { m_d, j0_d, j45_d } = refraction.0.power_vector().in_view();
+        for (_, material) in &parts.globe {
+            let part = assets.globes.get(material).map(|material| material.part);
+            if part == Some(GlobePart::Cornea)
+                && let Some(mut material) = assets.globes.get_mut(material)
+            {
+                material.globe.lens_front = lens.front.as_vec2();
+                material.globe.lens_back = lens.back.as_vec2();
+                material.globe.lens_thickness_mm = lens.thickness_mm as f32;
+                material.globe.lens_index = lens.index as f32;
+                material.globe.focus = (DVec3::new(m_d - response_d, j0_d, j45_d) * 1e-3).as_vec3();
             }
         }
     }

@@ -3,6 +3,7 @@
 //! Enters: which light, and how far it is turned about the head. Leaves: the [`Surroundings`] of it, under a
 //! photographer's exposure: a grey card before the face is as bright in each.
 
+use super::eye_camera::EyeOrbit;
 use super::illumination::Lamp;
 use super::surroundings::{STUDIO_SIDE, Surroundings, lamp_color};
 use crate::optics::smoothstep::smoothstep;
@@ -19,6 +20,10 @@ pub enum StudioLight {
     Softbox,
     /// A ring flash around the lens.
     Ring,
+    /// A small lamp along the lens's axis by a mirror, as an ophthalmoscope's, in a dim room: the red reflex.
+    Coaxial,
+    /// A penlight before the eye, in a dim room.
+    Penlight,
     /// Outdoors under clouds: the CIE's standard overcast sky over grey ground.
     Overcast,
     /// A table lamp in the evening.
@@ -26,10 +31,12 @@ pub enum StudioLight {
 }
 
 /// All of them.
-pub const STUDIO_LIGHTS: [StudioLight; 5] = [
+pub const STUDIO_LIGHTS: [StudioLight; 7] = [
     StudioLight::Window,
     StudioLight::Softbox,
     StudioLight::Ring,
+    StudioLight::Coaxial,
+    StudioLight::Penlight,
     StudioLight::Overcast,
     StudioLight::Lamp,
 ];
@@ -41,6 +48,8 @@ impl StudioLight {
             Self::Window => "window",
             Self::Softbox => "softbox",
             Self::Ring => "ring",
+            Self::Coaxial => "coaxial",
+            Self::Penlight => "penlight",
             Self::Overcast => "overcast",
             Self::Lamp => "lamp",
         }
@@ -52,8 +61,24 @@ impl StudioLight {
             Self::Window => "a window in a light room",
             Self::Softbox => "a softbox above, a reflector below",
             Self::Ring => "a ring flash around the lens",
+            Self::Coaxial => "a small lamp along the lens's axis: the red reflex",
+            Self::Penlight => "a penlight before the eye",
             Self::Overcast => "outdoors under clouds",
             Self::Lamp => "a table lamp in the evening",
+        }
+    }
+
+    /// Does it go with the camera?
+    pub fn is_on_the_lens(self) -> bool {
+        matches!(self, Self::Ring | Self::Coaxial)
+    }
+
+    /// Its lamp, where the camera stands.
+    pub(super) fn on_the_lens(self, orbit: &EyeOrbit) -> Lamp {
+        let lens = orbit.place_mm();
+        match self {
+            Self::Coaxial => near_lamp(lens, COAXIAL_MM, COAXIAL_COLOR, 0.0),
+            _ => near_lamp(lens, RING_MM, RING_COLOR, RING_HOLE),
         }
     }
 
@@ -77,6 +102,29 @@ const FACE_LIGHT: f64 = 0.845;
 /// Outer radius of a ring flash and the share of it that is its hole, mm.
 const RING_MM: f32 = 33.0;
 const RING_HOLE: f32 = 0.68;
+const RING_COLOR: Vec3 = Vec3::splat(0.80);
+/// Radius of a lamp that shines through the lens by a mirror, mm.
+const COAXIAL_MM: f32 = 2.0;
+const COAXIAL_COLOR: Vec3 = Vec3::new(0.80, 0.78, 0.76);
+/// Where a penlight is held (head frame, mm) and its radius.
+const PENLIGHT_PLACE_MM: Vec3 = Vec3::new(46.0, -22.0, -92.0);
+const PENLIGHT_MM: f32 = 4.0;
+const PENLIGHT_COLOR: Vec3 = Vec3::new(0.80, 0.79, 0.77);
+/// From the globe's centre to where the cornea stands, mm: where what a near lamp gives is given.
+const CORNEA_MM: Vec3 = Vec3::new(0.0, 0.0, -12.5);
+
+/// A lamp at a place (head frame, mm) of this radius (mm), which has this irradiance / π at the cornea.
+fn near_lamp(place_mm: Vec3, radius_mm: f32, color: Vec3, hole: f32) -> Lamp {
+    let distance = place_mm.length().max(1.0);
+    let nearer = place_mm.distance(CORNEA_MM) / distance;
+    Lamp {
+        direction: place_mm / distance,
+        radius: (radius_mm / distance).atan(),
+        color: color * nearer * nearer,
+        hole,
+        vergence: 1.0 / distance,
+    }
+}
 
 /// What shines in a studio.
 struct Shining {
@@ -190,6 +238,10 @@ impl Studio {
                 room(rgb(0.05, 0.047, 0.045), rgb(0.07, 0.07, 0.07)),
                 Vec::new(),
             ),
+            StudioLight::Coaxial | StudioLight::Penlight => (
+                room(rgb(0.025, 0.023, 0.021), rgb(0.035, 0.034, 0.033)),
+                Vec::new(),
+            ),
             StudioLight::Overcast => (
                 Box::new(overcast) as Box<dyn Fn(DVec3) -> DVec3>,
                 Vec::new(),
@@ -212,6 +264,7 @@ impl Studio {
                 radius: lamp.half.max_element() as f32,
                 color: lamp.color.as_vec3(),
                 hole: -1.0,
+                vergence: 0.0,
             })
             .collect();
         let factors: Vec<DVec3> = shining.iter().map(Shining::factor).collect();
@@ -220,11 +273,11 @@ impl Studio {
             let lamps = shining.iter().zip(&factors);
             lamps.map(|(lamp, factor)| *factor * lamp.at(d)).sum()
         };
-        if self.light == StudioLight::Ring {
-            lamps.push(Lamp {
-                color: Vec3::new(0.80, 0.80, 0.80),
-                ..ring(Vec3::NEG_Z, 93.0)
-            });
+        if self.light.is_on_the_lens() {
+            lamps.push(self.light.on_the_lens(&EyeOrbit::default()));
+        } else if self.light == StudioLight::Penlight {
+            let place = turn.as_quat() * PENLIGHT_PLACE_MM;
+            lamps.push(near_lamp(place, PENLIGHT_MM, PENLIGHT_COLOR, 0.0));
         }
         let mut found = Surroundings::new(STUDIO_SIDE, |d| around(back * d), shine, lamps);
         found.exposure = face_exposure(&found);
@@ -235,16 +288,6 @@ impl Studio {
 /// The exposure that a photographer of a face chooses in these surroundings: a white card before it is as bright in any.
 pub fn face_exposure(surroundings: &Surroundings) -> f32 {
     (FACE_LIGHT / face_light(surroundings).max(1e-9)) as f32
-}
-
-/// A ring flash around a lens in this unit direction, this far (mm) from the eye; its colour is left out.
-pub fn ring(direction: Vec3, distance_mm: f32) -> Lamp {
-    Lamp {
-        direction,
-        radius: (RING_MM / distance_mm.max(1.0)).atan(),
-        color: Vec3::ZERO,
-        hole: RING_HOLE,
-    }
 }
 
 /// Luminance of a white card in place of the face.

@@ -11,6 +11,7 @@ use crate::anatomy::{Cornea, Iris, Sclera};
 use crate::frame::mips::chain;
 use crate::optics::fresnel::diffuse_surface;
 use crate::optics::globe::GlobeShape;
+use crate::tissue::fundus::fundus_color;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable, IrisTissue};
 use crate::tissue::sclera::{SCLERA_INDEX, ScleralTissue, returned_above, sclera_reflectance};
 use bevy::image::Image;
@@ -37,10 +38,30 @@ pub(super) fn iris_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
     );
     map_image(&map.levels(), true)
 }
+/// What the fundus sends back through clear media, linear sRGB.
+pub(super) fn fundus() -> Vec3 {
+    Vec3::from(fundus_color().map(|channel| channel as f32))
+}
+
 /// A map's 32-bit seed from a patient's 64-bit one.
 fn fold(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
 }
+/// The pigment that the map's melanin is a share of: as dense as the densest of it.
+fn map_pigment(iris: &Iris) -> IrisPigment {
+    let own = iris.pigment();
+    let has_dense = iris.freckles >= 0.5 || iris.sector_deg > 0.0;
+    let dense = if has_dense {
+        IrisPigment::BROWN.border_layer_melanin_fraction
+    } else {
+        0.0
+    };
+    IrisPigment {
+        border_layer_melanin_fraction: own.border_layer_melanin_fraction.max(dense),
+        ..own
+    }
+}
+
 /// The border layer covers the stroma of a dark iris and leaves that of a light one bare.
 fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     let (light, dark) = (
@@ -51,8 +72,19 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     let share = share.clamp(0.0, 1.0) as f32;
     // A little pigment gathers about the collarette first: hazel and green eyes.
     let ring = 4.0 * share * (1.0 - share);
+    let sector_deg = iris.sector_deg.clamp(0.0, 360.0);
     IrisMapSettings {
         seed: fold(seed),
+        freckle_count: iris.freckles.clamp(0.0, 80.0).round() as u32,
+        own_melanin: (iris.pigment().border_layer_melanin_fraction
+            / map_pigment(iris).border_layer_melanin_fraction.max(1e-9))
+            as f32,
+        // The map begins opposite +x, the patient's right, which is the examiner's left; both go counter-clockwise as seen from
+        // within, and axes as seen by the examiner.
+        sector: [
+            (1.0 - iris.sector_at_deg / 360.0).rem_euclid(1.0) as f32,
+            (0.5 * sector_deg / 360.0) as f32,
+        ],
         border_layer_cover: 0.15 + 0.45 * share,
         central_heterochromia: 0.3 + 0.25 * ring,
         crypt_density: 0.5 - 0.15 * share,
@@ -136,7 +168,7 @@ pub(super) fn sclera_images(anatomy: &Anatomy<'_>, fine: bool) -> [Image; 2] {
 /// Reflectance of the iris of all light, and below of what is scattered more than once.
 pub(super) fn reflectance_image(iris: &Iris) -> Image {
     let [width, height] = IRIS_TABLE;
-    let pigment = iris.pigment();
+    let pigment = map_pigment(iris);
     let [all, again] = IrisReflectanceTable::seen(&pigment, width, height);
     let texels = all.rgb().iter().chain(again.rgb());
     let texels = texels.map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0]);
@@ -173,9 +205,12 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
             let sky = light_settings(cornea, iris).sky().map(|value| value as f32);
             core::array::from_fn(|i| Vec4::from_slice(&sky[4 * i..]))
         },
-        tissue: (&IrisTissue::new(&iris.pigment())).into(),
+        tissue: (&IrisTissue::new(&map_pigment(iris))).into(),
+        arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,
+        pupil_magnification: cornea.pupil_magnification(iris.depth_mm) as f32,
+        fundus: fundus(),
         lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
-        // The lens is filled in by its media, the pupil's place by who moves it.
+        // The lens is filled in by its media and by what it is focused for, the pupil's place by who moves it.
         ..GlobeUniform::default()
     }
 }

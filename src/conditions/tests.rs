@@ -38,6 +38,9 @@ pub(super) fn iris() -> Iris {
         eumelanin_ratio: None,
         depth_mm: 3.6,
         root_radius_mm: 6.05,
+        freckles: 0.0,
+        sector_deg: 0.0,
+        sector_at_deg: 0.0,
         pupil_decentration_mm: [0.0; 2],
     }
 }

@@ -9,8 +9,6 @@
 //! with `K` the entry point of the light ([`super::fermat`]), `N` the corneal normal there and `T`
 //! the Fresnel transmittance. `J` is the Jacobian of François' refraction function, which the paper
 //! leaves out; it comes from differentiating Snell's law.
-//!
-//! Twin: `shaders/lib/caustic.wgsl`.
 
 use super::conicoid::conicoid_normal;
 use super::fermat::{FERMAT_STEPS, fermat_entry};

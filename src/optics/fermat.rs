@@ -23,8 +23,6 @@
 //!
 //! [`descent`] holds the paper's Algorithm 1 as the baseline, [`two_surfaces`] the same problem
 //! through both surfaces of the cornea.
-//!
-//! Twin: `shaders/lib/fermat.wgsl`.
 
 pub mod descent;
 pub mod two_surfaces;

@@ -37,8 +37,6 @@
 //!
 //! For comparison, the simplified equations of CIE 146:2002 stand beside it ([`glare_general`],
 //! [`glare_small_angle`], [`glare_age_adjusted`]) with the classical [`glare_stiles_holladay`].
-//!
-//! Twin: `shaders/lib/glare.wgsl`.
 
 mod veil;
 

@@ -22,6 +22,7 @@ pub mod fermat;
 pub mod fresnel;
 pub mod glare;
 pub mod globe;
+pub mod lens_mirror;
 pub mod media;
 pub mod microfacet;
 pub mod output;

@@ -13,8 +13,6 @@
 //! **Domain**: `P` and `K` within the limbus, lights of the hemisphere in front of the eye, exit
 //! incidence up to 80°. Its errors there, and beyond, are measured by `ocularium bench` and
 //! `ocularium measure refraction-function`, and stand in `docs/performance.md`.
-//!
-//! Twin: `shaders/lib/refraction_function.wgsl`.
 
 pub mod domain;
 mod fill;

@@ -77,6 +77,7 @@ impl PatientFile {
                 aqueous_index: own.aqueous_index,
                 limbus_radius_mm: own.limbus_radius_mm,
                 lipid_thickness_nm: own.lipid_thickness_nm,
+                arcus: own.arcus,
             },
             Iris {
                 color: own.iris_color,
@@ -85,6 +86,9 @@ impl PatientFile {
                 eumelanin_ratio: own.eumelanin_ratio,
                 depth_mm: own.iris_depth_mm,
                 root_radius_mm: own.limbus_radius_mm + ROOT_BEYOND_LIMBUS_MM,
+                freckles: own.iris_freckles,
+                sector_deg: own.iris_sector_deg,
+                sector_at_deg: own.iris_sector_at_deg,
                 pupil_decentration_mm: own.pupil_decentration_mm,
             },
             Lens {
@@ -345,6 +349,10 @@ fn with_eye(
         iris_depth_mm: iris.depth_mm,
         scleral_radius_mm: eye.scleral_radius_mm,
         lipid_thickness_nm: cornea.lipid_thickness_nm,
+        arcus: cornea.arcus,
+        iris_freckles: iris.freckles,
+        iris_sector_deg: iris.sector_deg,
+        iris_sector_at_deg: iris.sector_at_deg,
         redness: sclera.redness,
         bilirubin_mg_dl: sclera.bilirubin_mg_dl,
         pinguecula: sclera.pinguecula,

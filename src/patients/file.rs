@@ -384,6 +384,9 @@ with_conditions! { patient_file! {
         aqueous_index = 1.336, 1 to 1.6, "", "refractive index of the aqueous";
         limbus_radius_mm = 5.85, 5 to 6.5, "mm", "radius of the limbus";
         iris_depth_mm = 3.6, 2.5 to 4.5, "mm", "iris behind the corneal apex";
+        iris_freckles = 5.0, 0 to 80, "", "freckles on the iris";
+        iris_sector_deg = 0.0, 0 to 360, "°", "width of a brown sector of the iris; 0 is none";
+        iris_sector_at_deg = 270.0, 0 to 360, "°", "middle of that sector, counted as axes are";
         scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
         lipid_thickness_nm = 55.0, 0 to 200, "nm", "oily layer of the tear film";
         redness = 0.12, 0 to 1, "", "redness of the conjunctiva";
@@ -415,6 +418,7 @@ with_conditions! { patient_file! {
         stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";
         border_layer_melanin_fraction, 0 to 0.5, "", "melanin in the anterior border layer; by class without it";
         eumelanin_ratio, 0 to 1, "", "eumelanin in all melanin; by class without it";
+        arcus, 0 to 1, "", "lipid in the rim of the cornea; by age without it";
         accommodation_amplitude_d, 0 to 20, "D", "most that the lens can add; by age without it";
     }
     eye_pairs {

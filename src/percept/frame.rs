@@ -110,7 +110,8 @@ pub struct CaptureResult {
     pub vergence_d: Vec<f32>,
     /// Voxels in the field's table.
     pub occupied: u32,
-    /// Mean of the picture, in its own units.
+    /// Mean luminance of the picture, cd/m² by the exposure with which it was drawn; of a photograph in its
+    /// own units.
     pub mean_luminance: f32,
 }
 

@@ -17,6 +17,7 @@ use bevy::core_pipeline::schedule::camera_driver;
 use bevy::core_pipeline::{Core2d, Core2dSystems, Core3d, Core3dSystems};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use bevy::render::camera::ExtractedCamera;
 use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::render_asset::{RenderAssets, prepare_assets};
 use bevy::render::render_resource::{
@@ -192,11 +193,17 @@ fn upload_field(
 
 /// After a camera that sees as somebody does has drawn: its colour and depth become the static view.
 fn capture_scene(
-    view: ViewQuery<(Entity, &ViewTarget, &ViewDepthTexture, &PerceptFrame)>,
+    view: ViewQuery<(
+        Entity,
+        &ViewTarget,
+        &ViewDepthTexture,
+        &ExtractedCamera,
+        &PerceptFrame,
+    )>,
     mut work: Work,
     mut ctx: RenderContext,
 ) {
-    let (entity, target, depth, frame) = view.into_inner();
+    let (entity, target, depth, camera, frame) = view.into_inner();
     work.ledger.scene_passes(1);
     let (gpu, passes) = (&mut *work.gpu, &mut *work.passes);
     let (Some(view), Some(sampler)) = (gpu.views.get_mut(&entity), &gpu.sampler) else {
@@ -209,7 +216,7 @@ fn capture_scene(
         return;
     }
     let device = ctx.render_device().clone();
-    let source = Source::Scene(target.main_texture_view(), depth.view());
+    let source = Source::Scene(target.main_texture_view(), depth.view(), camera.exposure);
     let mut recorder = Recorder {
         encoder: ctx.command_encoder(),
         device: &device,
@@ -301,7 +308,7 @@ fn capture(
     } else {
         gpu.readback.start(Staging::copy(
             recorder,
-            request.serial,
+            (request.serial, source.exposure()),
             &view,
             (&gpu.corners.counters, &gpu.corners.candidates),
             &table.counters,

@@ -11,7 +11,6 @@ use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::{Candidates, GazeController};
 use crate::scene::photo::PhotoScene;
-use bevy::camera::Exposure;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
@@ -314,7 +313,6 @@ type Receiving<'a> = (
     &'a ViewOptions,
     &'a mut Percept,
     Option<&'a Panel>,
-    Option<&'a Exposure>,
 );
 
 /// Takes in finished captures: candidates and light for the eye, distances for the user's pointer.
@@ -334,7 +332,7 @@ pub(super) fn receive(
 ) {
     // Who is seen through by several cameras chooses by the first that was made, of those that have seen.
     let mut first: HashMap<Entity, (bool, u64)> = HashMap::default();
-    for (sees, _, options, percept, panel, _) in &views {
+    for (sees, _, options, percept, panel) in &views {
         if let Some((_, patient)) = finder.find(sees.0)
             && is_shown(options, panel)
         {
@@ -344,7 +342,7 @@ pub(super) fn receive(
         }
     }
     let (mut is_waiting, mut can_see) = (false, false);
-    for (sees, worn, options, mut percept, panel, exposure) in &mut views {
+    for (sees, worn, options, mut percept, panel) in &mut views {
         let mut is_news = false;
         if percept.returned.take_lost() {
             // It is asked for again.
@@ -378,11 +376,7 @@ pub(super) fn receive(
             if adaptation.is_measured {
                 let luminance_cd_m2 = match &percept.photo {
                     Some(laid) => laid.photo.mean_luminance_cd_m2,
-                    None => {
-                        let of_camera = Exposure::default();
-                        let exposure = exposure.unwrap_or(&of_camera).exposure();
-                        f64::from(percept.captured.mean_luminance / exposure)
-                    }
+                    None => f64::from(percept.captured.mean_luminance),
                 };
                 adaptation.set_if_neq(Adaptation {
                     luminance_cd_m2,

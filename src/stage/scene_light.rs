@@ -128,6 +128,7 @@ impl Grid {
             color: (sum * self.solid_angle() / core::f64::consts::PI).as_vec3(),
             // It stands in the map.
             hole: -1.0,
+            vergence: 0.0,
         };
         Some((lamp, parts))
     }
@@ -154,6 +155,7 @@ fn surroundings(
                 radius: if is_sun { SUN_RAD } else { 0.02 },
                 color,
                 hole: 0.0,
+                vergence: 0.0,
             });
             (Grid::new(side, radiance), lamps.collect())
         }

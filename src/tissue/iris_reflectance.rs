@@ -372,8 +372,8 @@ impl IrisTissue {
 /// [`iris_reflectance`] on a grid: columns along the path, rows along the border layer's density.
 ///
 /// Values belong to texel centres: column `i` of `w` stands for the path
-/// `STROMA_PATH_MAX_MM (i + ½)/w`, row `j` of `h` for the density `(j + ½)/h`, so that a linear
-/// texture lookup at `(path/STROMA_PATH_MAX_MM, density)` reads the right place.
+/// `STROMA_PATH_MAX_MM (i + ½)/w`, row `j` of `h` for the density `((j + ½)/h)²`, so that a linear
+/// texture lookup at `(path/STROMA_PATH_MAX_MM, √density)` reads the right place: a little melanin changes most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IrisReflectanceTable {
     rgb: Vec<[f64; 3]>,
@@ -459,7 +459,8 @@ impl IrisReflectanceTable {
         let mut rgb: [Vec<[f64; 3]>; K] =
             core::array::from_fn(|_| Vec::with_capacity(width * height));
         for row in 0..height {
-            let density = (row as f64 + 0.5) / height as f64;
+            let root = (row as f64 + 0.5) / height as f64;
+            let density = root * root;
             let border =
                 AT.1.each_ref()
                     .map(|tissue| border_layer(&pigment, density, tissue));
@@ -493,7 +494,7 @@ impl IrisReflectanceTable {
     /// texture lookup gives it.
     pub fn sample(&self, path_mm: f64, density: f64) -> [f64; 3] {
         let (column, across) = lattice(path_mm / STROMA_PATH_MAX_MM, self.width);
-        let (row, down) = lattice(density, self.height);
+        let (row, down) = lattice(density.max(0.0).sqrt(), self.height);
         let (right, below) = (
             (column + 1).min(self.width - 1),
             (row + 1).min(self.height - 1),

@@ -137,7 +137,8 @@ pub fn layer_segment_scatter(
 /// What one layer adds to the reflected BRDF by single scattering, but for the phase function
 /// (sr⁻¹): light enters the stack at `cos_in` and leaves at `cos_out` to the normal, `above` is the
 /// optical depth (along the normal) of the layers in front.
-pub fn layer_reflect_once(
+#[cfg(test)]
+pub(crate) fn layer_reflect_once(
     above: DVec3,
     extinction: DVec3,
     scattering: DVec3,
@@ -153,29 +154,6 @@ pub fn layer_reflect_once(
     let slant = 1.0 / cos_in + 1.0 / cos_out;
     let mean = layer_mean_transmittance(above * slant, (above + extinction * thickness) * slant);
     scattering * thickness * mean / (cos_in * cos_out)
-}
-
-/// What one layer adds to the transmitted BTDF by single scattering, but for the phase function:
-/// as [`layer_reflect_once`], with the light leaving behind the stack at `cos_out` through layers
-/// of the optical depth `below`.
-pub fn layer_transmit_once(
-    above: DVec3,
-    below: DVec3,
-    extinction: DVec3,
-    scattering: DVec3,
-    thickness: f64,
-    cos_in: f64,
-    cos_out: f64,
-) -> DVec3 {
-    let (Some(cos_in), Some(cos_out)) = (crossing(cos_in), crossing(cos_out)) else {
-        return DVec3::ZERO;
-    };
-    let (above, below, thickness) = (clamped_rgb(above), clamped_rgb(below), clamped(thickness));
-    let scattering = clamped_rgb(scattering);
-    let own = clamped_rgb(extinction) * thickness;
-    let first = above / cos_in + (own + below) / cos_out;
-    let last = (above + own) / cos_in + below / cos_out;
-    scattering * thickness * layer_mean_transmittance(first, last) / (cos_in * cos_out)
 }
 
 /// Optical depth across a stack.

@@ -22,6 +22,7 @@
 pub mod blood;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod colour_difference;
+pub mod fundus;
 pub mod iris_layers;
 pub mod iris_reflectance;
 pub mod layers;

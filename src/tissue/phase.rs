@@ -5,8 +5,8 @@
 //! over the sphere), or a drawn cosine.
 //!
 //! Henyey & Greenstein 1941 for bundles of collagen and cells, Rayleigh for fibrils much thinner
-//! than a wavelength (unpolarised light), and mixtures of the two with an isotropic part. The
-//! functions of `cos` and `g` have twins in `shaders/lib/phase.wgsl`.
+//! than a wavelength (unpolarised light), and mixtures of the two with an isotropic part.
+//! [`phase_rayleigh`] and [`phase_henyey_greenstein`] have twins in `shaders/lib/phase.wgsl`.
 //!
 //! **Range.** Cosines are clamped to −1…1, mean cosines to ±[`MAX_MEAN_COSINE`] (at ±1 the function
 //! is a delta function, which has no value); what is not a number counts as 0. In that range every

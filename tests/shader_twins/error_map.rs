@@ -5,7 +5,7 @@ use super::{v2, v3};
 use crate::gpu::Gpu;
 use glam::DVec3;
 use ocularium::optics::refraction_function::domain::RefractionEye;
-use ocularium::optics::{caustic, conicoid, cornea, fermat};
+use ocularium::optics::{conicoid, cornea};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -124,51 +124,5 @@ fn view_rays_by_incidence_and_distance() {
                 assert!(school > 10.0 * entry, "{school} {entry}");
             }
         }
-    }
-}
-
-#[test]
-fn light_by_incidence() {
-    let eye = RefractionEye::default();
-    let mut rng = Pcg64::seed_from_u64(6);
-    println!("largest error: incidence: entry of the light, mm; irradiance, of E₀");
-    for incidence in INCIDENCES {
-        let mut data = Vec::new();
-        while data.len() < 6 * RAYS {
-            let r = ray(&mut rng, incidence, 20.0);
-            let x = r.map(f64::from);
-            let t = cornea::cornea_trace_single(v3(&x), v3(&x[3..]), eye.surface, eye.index, 3.6);
-            if t.valid == 1.0 && t.point.truncate().length() < 5.85 {
-                let p = t.point;
-                data.extend([p.x as f32, p.y as f32, p.z as f32, -r[3], -r[4], -r[5]]);
-            }
-        }
-        let wide: Vec<f64> = data.iter().copied().map(f64::from).collect();
-        let exact = |i: usize| {
-            let x = &wide[6 * i..];
-            let k = fermat::fermat_solve(v3(x), v3(&x[3..]), eye.surface, eye.index, 40, 1e-28);
-            // Close to a fold a rounding decides between two paths.
-            (k.residual < 1e-12 && k.faces_light && k.curvature > 1e-3).then_some(k.entry)
-        };
-        let call = "let k = fermat_entry(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), vec2f(7.8, 0.75), 1.336, 6u); \
-            y[0] = k.x; y[1] = k.y; y[2] = k.z; y[3] = k.w;";
-        let entry = worst(
-            &Gpu::shared().evaluate(&["fermat"], call, &data, 6, 4),
-            exact,
-        );
-        let call = "y[0] = caustic_irradiance(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), vec2f(7.8, 0.75), 1.336);";
-        let got = Gpu::shared().evaluate(&["caustic"], call, &data, 6, 1);
-        let mut off = 0.0_f64;
-        for (i, got) in got.iter().enumerate() {
-            if let Some(k) = exact(i) {
-                let x = &wide[6 * i..];
-                let e =
-                    caustic::caustic_irradiance_at(k, v3(&x[3..]), eye.surface, eye.index, x[2]);
-                off = off.max((f64::from(*got) - e).abs());
-            }
-        }
-        println!("{incidence:?}°: {entry:.1e} {off:.1e}");
-        // 2e-7 of residual over the smallest curvature met, 1e-3.
-        assert!(entry < 2e-4 && off < 2e-2, "{entry} {off}");
     }
 }

@@ -1,27 +1,8 @@
-//! What the eye does to light: glare, the tear film's colours, astigmatic blur.
+//! What the eye does to light: the tear film's colours, astigmatic blur.
 
 use super::{between, pass};
 use crate::gpu::Twin;
-use ocularium::optics::{defocus, glare, tear_film};
-
-#[test]
-fn glare() {
-    pass(&Twin {
-        name: "glare_spread",
-        library: &["glare"],
-        call: "y[0] = glare_spread(x[0], x[1], x[2]);",
-        draw: &|rng| {
-            // From a tenth of a second of arc to behind the head.
-            let theta = core::f32::consts::PI * 10.0_f32.powf(between(rng, -6.8, 0.0));
-            vec![theta, between(rng, 0.0, 120.0), between(rng, 0.0, 1.2)]
-        },
-        exact: &|x| vec![glare::glare_spread(x[0], x[1], x[2])],
-        // A dozen roundings; the core falls with the cube of an angle of two more.
-        absolute: 0.0,
-        relative: 1e-6,
-        steep_share: 0.001,
-    });
-}
+use ocularium::optics::{defocus, tear_film};
 
 #[test]
 fn tear_film() {

@@ -73,7 +73,7 @@ pub fn lamp_text(first: usize) -> String {
         )
     };
     format!(
-        "Lamp({}, x[{}], {}, x[{}])",
+        "Lamp({}, x[{}], {}, x[{}], 0.0)",
         v(0),
         first + 3,
         v(4),
@@ -87,6 +87,7 @@ pub fn lamp_of(x: &[f64]) -> Lamp {
         radius: x[3] as f32,
         color: v3(&x[4..]).as_vec3(),
         hole: x[7] as f32,
+        vergence: 0.0,
     }
 }
 
@@ -243,12 +244,17 @@ fn the_lids() {
     let samples = 2 * LID_SAMPLES;
     let call = format!(
         "let s = lid_shade(Lids(array<vec4f, 8>({}), array<vec4f, 8>({})), vec3f(x[{}], x[{}], x[{}])); \
-         y[0] = s.sky; y[1] = s.key; y[2] = s.upper_gap; y[3] = s.lower_gap;",
+         y[0] = s.sky; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
+         y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]);",
         vec4s(0, 8),
         vec4s(LID_SAMPLES, 8),
         samples,
         samples + 1,
-        samples + 2
+        samples + 2,
+        samples + 3,
+        samples + 4,
+        samples + 5,
+        samples + 6
     );
     pass_unless_off(
         &Twin {
@@ -266,6 +272,8 @@ fn the_lids() {
                     })
                     .collect();
                 x.extend([between(rng, -25.0, 25.0), between(rng, -12.0, 12.0), -10.0]);
+                x.extend(unit(rng));
+                x.push(between(rng, 0.0, 1.2));
                 x
             },
             exact: &|x| {
@@ -275,7 +283,8 @@ fn the_lids() {
                     lower: core::array::from_fn(|i| four(i + LID_SAMPLES / 4)),
                 };
                 let s = lid_shade::lid_shade(&lids, v3(&x[samples..]));
-                vec![s.sky, s.key, s.upper_gap, s.lower_gap]
+                let lamp = lid_shade::lid_lamp(&s, v3(&x[samples + 3..]), x[samples + 6]);
+                vec![s.sky, s.contact, s.upper_gap, s.lower_gap, lamp]
             },
             // A place among 31 intervals is good to 4e-6, between heights 2 mm apart.
             absolute: 2e-5,
@@ -296,7 +305,7 @@ fn the_limbus() {
             library: &["limbus"],
             call: "y[0] = limbus_share(x[0], x[1]); let c = limbus_tint(y[0]); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
                    let n = limbus_normal(vec3f(x[2], x[3], x[4]), vec3f(x[5], x[6], x[7]), y[0]); \
-                   y[4] = n.x; y[5] = n.y; y[6] = n.z;",
+                   y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8]); y[8] = limbus_width(x[2]);",
             draw: &|rng| {
                 let limbus = between(rng, 5.0, 6.5);
                 let globe = unit(rng);
@@ -312,6 +321,7 @@ fn the_limbus() {
                     &[limbus + between(rng, -1.5, 1.0), limbus][..],
                     &globe,
                     &cornea,
+                    &[between(rng, 0.0, 1.0)],
                 ]
                 .concat()
             },
@@ -321,6 +331,8 @@ fn the_limbus() {
                 let mut out = vec![share];
                 out.extend(rgb(limbus::limbus_tint(share)));
                 out.extend(rgb(normal));
+                out.push(limbus::arcus_share(x[0], x[2], x[1], x[8]));
+                out.push(limbus::limbus_width(x[2]));
                 out
             },
             // 6 mm carries 5e-7; over an edge of 1.05 mm and then over 0.35 of the share.

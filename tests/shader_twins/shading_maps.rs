@@ -5,7 +5,9 @@ use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
 use glam::{DVec2, DVec3};
 use ocularium::appearance::iris_map::{IrisMap, IrisMapSettings};
-use ocularium::appearance::light_table::{LightTableSettings, LightTableSize, SKY_RADII, iris_sky};
+use ocularium::appearance::light_table::{
+    LightTableSettings, LightTableSize, SKY_RADII, iris_light, iris_sky,
+};
 use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
 use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
 use ocularium::appearance::shading::iris_shade::{self, IrisMaps};
@@ -346,7 +348,8 @@ fn the_light_of_the_iris() {
         "{IRIS} let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
          let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14]); \
-         let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table, light_table_sampler, iris, {tissue}, u, l); {RGB_OUT} \
+         let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table_sampler, iris, {tissue}, u, \
+         iris_light(light_table, light_table_sampler, l, u.at, iris.root, iris.limbus)); {RGB_OUT} \
          let a = iris_ambient(reflectance_map, light_table_sampler, u, iris_sky({sky_values}, length(p), x[0])); y[3] = a.x; y[4] = a.z; \
          y[5] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;"
     );
@@ -372,7 +375,14 @@ fn the_light_of_the_iris() {
                 let iris = iris_of(x);
                 let surface =
                     iris_shade::iris_surface(&views, &iris, p, v3(&x[8..]), &start, x[14]);
-                let lamp = iris_shade::iris_lamp(&views, &iris, &hazel, &surface, v3(&x[16..]));
+                let arrives = iris_light(
+                    &views.light,
+                    v3(&x[16..]),
+                    surface.at,
+                    iris.root,
+                    iris.limbus,
+                );
+                let lamp = iris_shade::iris_lamp(&views, &iris, &hazel, &surface, arrives);
                 let ambient =
                     iris_shade::iris_ambient(&views, &surface, iris_sky(&sky, p.length(), x[0]));
                 [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()

@@ -1,4 +1,4 @@
-//! Light in tissue: phase functions and what is drawn from them, single scattering in layers.
+//! Light in tissue: phase functions, single scattering in layers.
 
 use super::{between, pass, v3};
 use crate::gpu::Twin;
@@ -29,74 +29,6 @@ fn phase_functions() {
         draw: &angle_and_mean,
         exact: &|x| vec![phase::phase_henyey_greenstein(x[0], x[1])],
         // Seven roundings and a square root; the peak included.
-        absolute: 0.0,
-        relative: 1.5e-6,
-        steep_share: 0.001,
-    });
-    pass(&Twin {
-        name: "phase_mix",
-        library: &["phase"],
-        call: "y[0] = phase_mix(x[0], x[2], x[3], x[1]);",
-        draw: &|rng| {
-            let mut x = angle_and_mean(rng);
-            x.extend([between(rng, 0.0, 0.5), between(rng, 0.0, 0.4)]);
-            x
-        },
-        exact: &|x| vec![phase::phase_mix(x[0], x[2], x[3], x[1])],
-        // The last share is a difference from 1: three roundings of 1 against 0.1.
-        absolute: 0.0,
-        relative: 4e-6,
-        steep_share: 0.001,
-    });
-}
-
-#[test]
-fn phase_draws() {
-    pass(&Twin {
-        name: "sample_rayleigh",
-        library: &["phase"],
-        call: "y[0] = sample_rayleigh(x[0]);",
-        draw: &|rng| vec![between(rng, 0.0, 1.0)],
-        exact: &|x| vec![phase::sample_rayleigh(x[0])],
-        // 4ξ − 2 carries 1.2e-7, a third of which reaches the cosine in the middle.
-        absolute: 4e-7,
-        relative: 0.0,
-        steep_share: 0.001,
-    });
-    for (name, exact) in [
-        (
-            "sample_henyey_greenstein",
-            phase::sample_henyey_greenstein as fn(f64, f64) -> f64,
-        ),
-        (
-            "sample_henyey_greenstein_versine",
-            phase::sample_henyey_greenstein_versine,
-        ),
-    ] {
-        pass(&Twin {
-            name,
-            library: &["phase"],
-            call: &format!("y[0] = {name}(x[0], x[1]);"),
-            draw: &|rng| {
-                // Every fourth mean cosine next to 0, where the textbook's inverse fails.
-                let g = between(rng, -1.0, 1.0);
-                let tiny = between(rng, 0.0, 1.0) < 0.25;
-                vec![if tiny { 1e-6 * g } else { g }, between(rng, 0.0, 1.0)]
-            },
-            exact: &|x| vec![exact(x[0], x[1])],
-            // Six roundings of a number up to 2.
-            absolute: 1e-6,
-            relative: 0.0,
-            steep_share: 0.005,
-        });
-    }
-    pass(&Twin {
-        name: "sample_henyey_greenstein_versine",
-        library: &["phase"],
-        call: "y[0] = sample_henyey_greenstein_versine(x[0], x[1]);",
-        draw: &|rng| vec![between(rng, 0.0, 0.9995), between(rng, 0.0, 0.99)],
-        exact: &|x| vec![phase::sample_henyey_greenstein_versine(x[0], x[1])],
-        // A product of positive numbers: small angles have as many digits as wide ones.
         absolute: 0.0,
         relative: 1.5e-6,
         steep_share: 0.001,
@@ -152,49 +84,5 @@ fn layers_scatter_once() {
         absolute: 1e-12,
         relative: 5e-6,
         steep_share: 0.01,
-    });
-    let layer = |rng: &mut Pcg64| {
-        let mut x = powers(rng, 3, -3.0, 0.7);
-        x.extend(powers(rng, 3, -3.0, 0.7));
-        x.push(between(rng, 0.0, 1.0));
-        x.extend([between(rng, -0.05, 1.0), between(rng, -0.05, 1.0)]);
-        x.extend((0..6).map(|_| between(rng, 0.0, 1.0)));
-        x
-    };
-    pass(&Twin {
-        name: "layer_reflect_once",
-        library: &["layers"],
-        call: &rgb(
-            "layer_reflect_once(vec3f(x[9], x[10], x[11]), vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), x[6], x[7], x[8])",
-        ),
-        draw: &layer,
-        exact: &|x| {
-            let (above, extinction, scattering) = (v3(&x[9..]), v3(x), v3(&x[3..]));
-            layers::layer_reflect_once(above, extinction, scattering, x[6], x[7], x[8])
-                .to_array()
-                .to_vec()
-        },
-        // Grazing rays make depths of hundreds: nothing is left of such light but its smallness.
-        absolute: 1e-7,
-        relative: 1e-5,
-        steep_share: 0.02,
-    });
-    pass(&Twin {
-        name: "layer_transmit_once",
-        library: &["layers"],
-        call: &rgb(
-            "layer_transmit_once(vec3f(x[9], x[10], x[11]), vec3f(x[12], x[13], x[14]), vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), x[6], x[7], x[8])",
-        ),
-        draw: &layer,
-        exact: &|x| {
-            let (above, below) = (v3(&x[9..]), v3(&x[12..]));
-            let (extinction, scattering) = (v3(x), v3(&x[3..]));
-            layers::layer_transmit_once(above, below, extinction, scattering, x[6], x[7], x[8])
-                .to_array()
-                .to_vec()
-        },
-        absolute: 1e-7,
-        relative: 1e-5,
-        steep_share: 0.02,
     });
 }

@@ -119,8 +119,9 @@ export async function published(page, count) {
     });
 }
 
+/** A picture of the page, for which Chromium waits for a few of its frames: at 4K a software rasteriser is slow. */
 export async function screenshot(page, name) {
-  const bytes = await page.screenshot({ timeout: 60000 });
+  const bytes = await page.screenshot({ timeout: 1000 * READY_LIMIT_S });
   if (name) await writeFile(join(OUT, name), bytes);
   return pixels.decode(bytes);
 }

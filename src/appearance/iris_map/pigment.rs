@@ -30,7 +30,10 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
             let laid = lerp(lerp(0.5, 0.7, cover), 1.1, smoothstep(0.15, 0.75, relief));
             let bare = 1.0 - lerp(0.6, 0.2, cover) * layout.crypt[index];
             let ring = columns[column].ring(settings, v, tag + 0.3 * mottle);
-            *value = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
+            let own = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
+            let brown = (cells + 0.3) * laid * bare;
+            let own = own.clamp(0.0, 1.0) * settings.own_melanin;
+            *value = lerp(own, brown, columns[column].sector(v, tag + 0.3 * mottle));
         }
     }
     freckles(&mut melanin, settings, grid);
@@ -45,6 +48,8 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
 struct Column {
     rim: f32,
     flame: f32,
+    /// How far within the sector of another colour it lies, turns; negative outside.
+    within: f32,
 }
 
 impl Column {
@@ -55,6 +60,25 @@ impl Column {
             flame: 0.05
                 + 0.09 * value_noise(u * 17.0, 17, seed)
                 + 0.05 * value_noise(u * 53.0, 53, seed ^ 1),
+            within: {
+                let [middle, half] = settings.sector;
+                let ragged = 0.012 * value_noise(u * 71.0, 71, seed ^ 2);
+                if half > 0.0 {
+                    half - wrap_half(u - middle).abs() + ragged
+                } else {
+                    -1.0
+                }
+            },
+        }
+    }
+
+    /// Share of the sector's colour: its border runs along the fibres.
+    fn sector(&self, v: f32, tag: f32) -> f32 {
+        let border = self.within + 0.012 * tag + 0.004 * (v - 0.5);
+        if self.within > -0.02 {
+            smoothstep(-0.004, 0.008, border)
+        } else {
+            0.0
         }
     }
 

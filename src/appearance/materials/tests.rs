@@ -80,7 +80,8 @@ fn every_number_is_where_its_shader_reads_it() {
         direction = Vec3::splat(9.0),
         radius = 9.0,
         color = Vec3::splat(9.0),
-        hole = 9.0
+        hole = 9.0,
+        vergence = 9.0
     );
     same!(
         Illumination,
@@ -126,6 +127,14 @@ fn every_number_is_where_its_shader_reads_it() {
         iris_thicken = 9.0,
         iris_sky = [Vec4::splat(9.0); SKY_RADII / 4],
         iris_furrows = 9.0,
+        lens_front = Vec2::splat(9.0),
+        lens_back = Vec2::splat(9.0),
+        lens_thickness_mm = 9.0,
+        lens_index = 9.0,
+        pupil_magnification = 9.0,
+        focus = Vec3::splat(9.0),
+        fundus = Vec3::splat(9.0),
+        arcus = 9.0,
         tissue = IrisTissueUniform {
             border: Vec3::splat(9.0),
             ..IrisTissueUniform::default()

@@ -10,13 +10,12 @@ use super::iris_relief::{
     iris_texel_mm, relief_march, relief_normal, relief_ridge,
 };
 use crate::appearance::images::MapView;
-use crate::appearance::light_table::iris_light;
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::iris_layers::BUNDLE_SCALED_COSINE;
 use crate::tissue::iris_reflectance::{AQUEOUS_SLANT, BORDER_LAYER_MM, IrisTissue};
 use crate::tissue::layers::layer_segment_scatter;
 use crate::tissue::phase::{phase_henyey_greenstein, phase_rayleigh};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// Longest path (mm) of the reflectance map.
 pub const IRIS_PATH_MAX_MM: f64 = 2.5;
@@ -154,7 +153,7 @@ pub fn iris_reflectance(
     let view_cosine = -surface.smooth_normal.dot(surface.direction);
     let path = iris_path(surface.smooth_texel.thickness, towards_z, view_cosine);
     let rows = 0.5 * maps.reflectance.size().y;
-    let row = (surface.texel.melanin * rows).clamp(0.5, rows - 0.5);
+    let row = (surface.texel.melanin.max(0.0).sqrt() * rows).clamp(0.5, rows - 0.5);
     let half = f64::from(u8::from(which == Scattered::Again));
     let at = DVec2::new(path / IRIS_PATH_MAX_MM, 0.5 * (row / rows + half));
     let [r, g, b, _] = maps.reflectance.sample(at, 0.0);
@@ -208,16 +207,15 @@ pub fn iris_scattered_once(
     tissue.weights * (scattered * fade(tissue.stroma * ridge + border * covers))
 }
 
-/// What the iris sends back of a lamp with an irradiance / π of one in the unit direction `light` of the
-/// eye frame.
+/// What the iris sends back of a lamp with an irradiance / π of one, of which this arrives
+/// ([`crate::appearance::light_table::iris_light`]).
 pub fn iris_lamp(
     maps: &IrisMaps,
     iris: &IrisFrame,
     tissue: &IrisTissue,
     surface: &IrisSurface,
-    light: DVec3,
+    arrives: DVec4,
 ) -> DVec3 {
-    let arrives = iris_light(&maps.light, light, surface.at, iris.root, iris.limbus);
     let towards = arrives.truncate();
     let (height, lod) = (surface.texel.height, surface.lod);
     let ridge = relief_ridge(&maps.relief, iris, &surface.place, height, towards, lod);

@@ -10,6 +10,9 @@ const NUCLEUS_RADIUS_MM: f64 = 2.75;
 const CORTEX_DEPTH_MM: f64 = 0.6;
 const NUCLEUS_DEPTH_MM: f64 = 1.8;
 const CAPSULE_DEPTH_MM: f64 = 3.8;
+/// Share of light that a cloud takes out of its way (a choice: ripe cortex and plaque look black against the
+/// fundus).
+const LENS_OPAQUE: f64 = 0.9;
 const CORTEX_COLOR: DVec3 = DVec3::new(0.13, 0.135, 0.14);
 
 /// Share of a place (mm from the lens's middle) that wedges of clouded cortex cover, which cover this
@@ -33,6 +36,27 @@ pub fn capsule_cloud(place_mm: DVec2, radius_mm: f64) -> f64 {
     let grain = (7.1 * x + 2.3 * (4.7 * y).sin()).sin() * (6.3 * y + 1.9 * (5.9 * x).sin()).sin();
     let edge = radius_mm * (0.9 + 0.1 * grain) - place_mm.length();
     smoothstep(-0.2, 0.2, edge) * (0.75 + 0.25 * grain)
+}
+
+/// Share of light that crosses a clouded lens on its way out, as it is seen against a bright fundus: what is
+/// opaque scatters nearly all of it aside. The arguments are those of [`lens_cloud`].
+pub fn lens_clear(
+    capsule_radius_mm: f64,
+    cortical_share: f64,
+    place_mm: DVec2,
+    slope: DVec2,
+    turn: f64,
+) -> f64 {
+    let mut clear = 1.0;
+    let behind = place_mm + slope * CAPSULE_DEPTH_MM;
+    if capsule_radius_mm > 0.0 && behind.length() < LENS_RADIUS_MM {
+        clear *= 1.0 - LENS_OPAQUE * capsule_cloud(behind, capsule_radius_mm).clamp(0.0, 1.0);
+    }
+    if cortical_share > 0.0 {
+        let before = place_mm + slope * CORTEX_DEPTH_MM;
+        clear *= 1.0 - LENS_OPAQUE * cortical_wedges(before, cortical_share, turn);
+    }
+    clear
 }
 
 /// What a clouded lens sends back of the irradiance / π on it, linear sRGB: `nucleus` that of the

@@ -11,8 +11,8 @@ use glam::DVec3;
 pub struct LidShade {
     /// Share of the sky.
     pub sky: f64,
-    /// Share of the key light.
-    pub key: f64,
+    /// Share of any lamp that the lower lid's edge leaves.
+    pub contact: f64,
     /// Height of the upper margin over the place, mm.
     pub upper_gap: f64,
     /// Height of the place over the lower margin, mm.
@@ -36,8 +36,51 @@ pub fn lid_shade(lids: &LidHeights, p: DVec3) -> LidShade {
     let (u, l) = (upper.max(0.0), lower.max(0.0));
     LidShade {
         sky: (1.0 - 0.55 * (-u / 1.3).exp()) * (1.0 - 0.5 * (-l / 0.8).exp()),
-        key: smoothstep(-0.9, 1.9, upper) * (1.0 - 0.4 * (-l / 0.5).exp()),
+        contact: 1.0 - 0.4 * (-l / 0.5).exp(),
         upper_gap: upper,
         lower_gap: lower,
+    }
+}
+
+/// How far (mm) the edge of the upper lid that casts its shadow stands before the globe, and how soft that edge is:
+/// a margin of 2 mm, rounded (choices within it).
+pub const LID_EDGE_MM: f64 = 1.3;
+const LID_EDGE_SOFT_MM: f64 = 1.2;
+
+/// How much of a lamp of angular radius `radius` (rad) in the unit direction `light` (head frame) the lids leave where
+/// that is their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands.
+pub fn lid_lamp(shade: &LidShade, light: DVec3, radius: f64) -> f64 {
+    let rise = (light.y / (-light.z).max(0.2)).clamp(-2.0, 3.0);
+    let below = shade.upper_gap - LID_EDGE_MM * rise;
+    let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * radius.min(1.0);
+    smoothstep(-soft, soft, below) * shade.contact
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of a lamp is left where the ray to its middle just passes an edge that stands before the margin.
+    #[test]
+    fn the_lids_shadow_falls_where_its_edge_stands_before_the_lamp() {
+        for elevation_deg in [-30.0_f64, 0.0, 25.0, 55.0] {
+            let (sin, cos) = elevation_deg.to_radians().sin_cos();
+            let light = DVec3::new(0.0, sin, -cos);
+            let half = (0..4000).map(|i| f64::from(i) * 0.002 - 3.0).find(|gap| {
+                let shade = LidShade {
+                    sky: 1.0,
+                    contact: 1.0,
+                    upper_gap: *gap,
+                    lower_gap: 9.0,
+                };
+                lid_lamp(&shade, light, 0.1) >= 0.5
+            });
+            // From there up to the edge, as the lamp's ray goes.
+            let edge = LID_EDGE_MM * elevation_deg.to_radians().tan();
+            assert!(
+                (half.expect("a border") - edge).abs() < 0.005,
+                "{elevation_deg}"
+            );
+        }
     }
 }

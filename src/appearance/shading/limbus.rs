@@ -24,3 +24,39 @@ pub fn limbus_tint(share: f64) -> DVec3 {
 pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
     limbus_radius + (r - limbus_radius) * (0.9 / width.max(1e-3))
 }
+
+/// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against
+/// that at the sides: above and below the sclera goes further over the cornea (REFERENCE: the vertical diameter of what
+/// is seen of it is a millimetre less).
+pub fn limbus_width(sine: f64) -> f64 {
+    1.0 + 0.45 * sine * sine
+}
+
+/// What lipid in the cornea's rim sends back, linear sRGB, where it covers all (a choice: photographs show it grey, a
+/// little yellow).
+pub const ARCUS_COLOR: DVec3 = DVec3::new(0.56, 0.55, 0.50);
+
+/// Share of a place of the cornea, `r` mm from the axis, that an arcus covers: a ring with a clear rim outside it,
+/// which comes first above and below; `lipid` 0 to 1.
+pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
+    let inside = limbus_radius - r;
+    let wide = 0.7 + 1.3 * lipid;
+    let ring = smoothstep(0.05, 0.45, inside) * smoothstep(wide + 0.35, 0.5 * wide, inside);
+    let first = smoothstep(0.0, 0.5, lipid);
+    let last = smoothstep(0.15, 0.75, lipid);
+    0.75 * ring * (last + (first - last) * sine * sine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arcus_begins_above_and_below_and_leaves_the_rim_clear() {
+        let at = |inside: f64, sine: f64, lipid: f64| arcus_share(5.85 - inside, sine, 5.85, lipid);
+        assert_eq!(at(0.7, 1.0, 0.0), 0.0);
+        assert!(at(0.7, 1.0, 0.15) > 0.05 && at(0.7, 0.0, 0.15) == 0.0);
+        // The lucid interval, the ring, the clear middle.
+        assert!(at(0.04, 1.0, 1.0) == 0.0 && at(0.8, 0.0, 1.0) > 0.7 && at(2.6, 0.0, 1.0) == 0.0);
+    }
+}

@@ -4,6 +4,7 @@
 //! map that each needs. Each file bears the name of its twin; lengths in mm, angles in rad.
 
 pub mod footprint;
+pub mod fundus;
 pub mod hair_shade;
 pub mod iris_relief;
 pub mod iris_shade;
@@ -11,6 +12,7 @@ pub mod lamp_lobe;
 pub mod lens_shade;
 pub mod lid_shade;
 pub mod limbus;
+pub mod near_light;
 pub mod sclera_shade;
 pub mod skin_shade;
 pub mod surroundings;

@@ -101,10 +101,20 @@ impl Default for CapturePasses {
 
 /// Where a capture takes its picture from, on the device.
 pub(super) enum Source<'a> {
-    /// A camera's colour and depth.
-    Scene(&'a TextureView, &'a TextureView),
+    /// A camera's colour and depth, and the factor of its exposure that the colour holds.
+    Scene(&'a TextureView, &'a TextureView, f32),
     /// A photograph's colour and vergence, and where the view is in its frame.
     Photo(&'a TextureView, &'a TextureView, PhotoUniform),
+}
+
+impl Source<'_> {
+    /// What its picture has of each cd/m²; a photograph's values are taken as they are.
+    pub(super) fn exposure(&self) -> f32 {
+        match self {
+            Self::Scene(.., exposure) => *exposure,
+            Self::Photo(..) => 1.0,
+        }
+    }
 }
 
 /// The corners of a view: their counters and their list.
@@ -156,7 +166,7 @@ impl CapturePasses {
         );
         let vergence_view = &view.vergence_view;
         match *source {
-            Source::Scene(colour, depth) => {
+            Source::Scene(colour, depth, _) => {
                 let entries = BindGroupEntries::sequential((
                     uniform,
                     colour,

@@ -34,11 +34,11 @@ fn mean_offset(row_bytes: u32, size: UVec2) -> u64 {
     TEXTURE_OFFSET + u64::from(row_bytes) * u64::from(size.y)
 }
 
-/// Luminance of a texel of halves; what is not finite counts as dark.
-fn luminance(rgba: &[u32]) -> f32 {
+/// Luminance of a texel of halves that has `exposure` of each unit; what is not finite counts as dark.
+fn luminance(rgba: &[u32], exposure: f32) -> f32 {
     let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
     let [rg, ba] = [rgba[0], rgba[1]];
-    let mean = LinearRgba::rgb(half(rg), half(rg >> 16), half(ba)).luminance();
+    let mean = LinearRgba::rgb(half(rg), half(rg >> 16), half(ba)).luminance() / exposure;
     if mean.is_finite() { mean.max(0.0) } else { 0.0 }
 }
 
@@ -46,6 +46,7 @@ fn luminance(rgba: &[u32]) -> f32 {
 pub(in crate::percept) struct Staging {
     buffer: Buffer,
     serial: u64,
+    exposure: f32,
     size: UVec2,
     row_bytes: u32,
     state: Arc<AtomicU8>,
@@ -54,10 +55,10 @@ pub(in crate::percept) struct Staging {
 
 impl Staging {
     /// Records the copies of a view, its corners and what its table counts; they run when the encoder is
-    /// submitted.
+    /// submitted. `exposure` is what the picture has of each cd/m².
     pub(in crate::percept) fn copy(
         recorder: &mut Recorder,
-        serial: u64,
+        (serial, exposure): (u64, f32),
         view: &ViewImages,
         (counters, candidates): (&Buffer, &Buffer),
         table_counters: &Buffer,
@@ -109,6 +110,7 @@ impl Staging {
         Self {
             buffer,
             serial,
+            exposure,
             size,
             row_bytes,
             state: Arc::new(AtomicU8::new(WAITING)),
@@ -158,7 +160,10 @@ impl Staging {
             found: counters[1],
             vergence_d,
             occupied: words(COUNTERS_BYTES, TABLE_BYTES)[0],
-            mean_luminance: luminance(&words(mean_offset(self.row_bytes, self.size), 8)),
+            mean_luminance: luminance(
+                &words(mean_offset(self.row_bytes, self.size), 8),
+                self.exposure,
+            ),
         }
     }
 }

@@ -1,0 +1,175 @@
+//! Light of a lamp that is near, on the iris: its rays are those of distant lamps, each of its own
+//! direction, and spread from a point. Optics frame, mm. Twin: `shaders/lib/near_light.wgsl`.
+
+use super::surroundings::lamp_from;
+use crate::appearance::illumination::Lamp;
+use crate::appearance::images::MapView;
+use crate::appearance::light_table::iris_light;
+use crate::optics::conicoid::{conicoid_intersect, conicoid_normal};
+use crate::optics::fresnel::fresnel_dielectric;
+use glam::{DVec2, DVec3};
+
+/// Where light that arrives at `point` from the unit direction `towards` entered the cornea.
+pub fn light_entry(point: DVec3, towards: DVec3, surface: DVec2) -> DVec3 {
+    point + conicoid_intersect(point, towards, surface.x, surface.y).max(0.0) * towards
+}
+
+/// Irradiance by a lamp that is 1/`vergence` mm from where its light enters, over that by a distant one
+/// from the same side (`light`, unit), which is `concentrated` times its own across the beam; `n` is the
+/// index behind the surface. The beam of the distant one is taken to be narrowed alike in both of its
+/// principal sections.
+pub fn near_concentration(
+    concentrated: f64,
+    entry: DVec3,
+    point: DVec3,
+    light: DVec3,
+    surface: DVec2,
+    n: f64,
+    vergence: f64,
+) -> f64 {
+    let normal = conicoid_normal(entry, surface.x, surface.y);
+    let path = entry.distance(point);
+    let towards = (entry - point) / path.max(1e-6);
+    let outside = light.dot(normal).clamp(0.05, 1.0);
+    let inside = towards.dot(normal).clamp(0.05, 1.0);
+    let passed = 1.0 - fresnel_dielectric(outside, 1.0, n);
+    // What is left of the beam's width along a principal section.
+    let left = outside * passed * (-towards.z).max(0.0) / (inside * concentrated.max(1e-3));
+    let narrowed = left.sqrt().clamp(0.2, 1.0);
+    let spread = path * vergence / n;
+    let slant = outside / inside;
+    narrowed * narrowed / ((narrowed + spread) * (narrowed + spread * slant * slant))
+}
+
+/// A lamp (its direction in the eye frame) as it is where its light to `point` of the iris enters the cornea,
+/// with the light that its own beam brings there instead of a distant one's: its direction, and by how much its
+/// colour is more. `apex` is the corneal one's place from the globe's centre; `n`, `surface` are the cornea's,
+/// the rest is the table's ([`crate::appearance::light_table`]).
+#[expect(clippy::too_many_arguments, reason = "the shader twin's argument list")]
+pub fn iris_near_lamp(
+    table: &MapView,
+    own: &Lamp,
+    apex: DVec3,
+    point: DVec3,
+    surface: DVec2,
+    n: f64,
+    root_mm: f64,
+    limbus_mm: f64,
+) -> (DVec3, f64) {
+    let mut lamp = lamp_from(own, apex);
+    let (mut entry, mut light, mut concentrated) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for _ in 0..2 {
+        light = lamp.0;
+        let arrives = iris_light(table, light, point.truncate(), root_mm, limbus_mm);
+        entry = light_entry(point, arrives.truncate(), surface);
+        concentrated = arrives.w;
+        lamp = lamp_from(own, apex + entry);
+    }
+    // One over the way from the lamp to there.
+    let vergence = f64::from(own.vergence) * (lamp.1 / f64::from(own.radius).max(1e-6));
+    let near = near_concentration(concentrated, entry, point, light, surface, n, vergence);
+    (lamp.0, lamp.2 * near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::light_table::LightTableSettings;
+    use crate::optics::cornea::cornea_trace_single;
+
+    const EYE: LightTableSettings = LightTableSettings {
+        surface: DVec2::new(7.8, 0.75),
+        index: 1.336,
+        iris_z: 3.6,
+        root_mm: 6.05,
+        limbus_mm: 5.85,
+    };
+
+    /// Where light from `lamp` to `point` enters, by as many steps as the picture takes, or until nothing changes.
+    fn entry(lamp: DVec3, point: DVec3, steps: usize) -> (DVec3, DVec3, f64) {
+        let mut from = DVec3::ZERO;
+        let mut found = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for _ in 0..=steps {
+            let light = (lamp - from).normalize();
+            let exact = EYE.exact(light, point.truncate());
+            let aside = exact.towards;
+            let towards = aside.extend(-(1.0 - aside.length_squared()).max(0.0).sqrt());
+            from = light_entry(point, towards, EYE.surface);
+            found = (from, light, exact.unbounded_irradiance);
+        }
+        found
+    }
+
+    /// Irradiance at `point` by a lamp that has one at a distance of `unit` mm: rays about the one that arrives, by their
+    /// solid angle and where they land.
+    fn irradiance(lamp: DVec3, enters: DVec3, unit: f64) -> f64 {
+        let middle = (enters - lamp).normalize();
+        let (u, v) = middle.any_orthonormal_pair();
+        let step = 1e-5;
+        let lands = |a: f64, b: f64| {
+            let dir = (middle + step * (a * u + b * v)).normalize();
+            let t = cornea_trace_single(lamp, dir, EYE.surface, EYE.index, EYE.iris_z);
+            (t.point, t.transmittance)
+        };
+        let (along, across) = (
+            (lands(1.0, 0.0).0 - lands(-1.0, 0.0).0) / (2.0 * step),
+            (lands(0.0, 1.0).0 - lands(0.0, -1.0).0) / (2.0 * step),
+        );
+        // unit² sr of intensity make an irradiance of one at that distance.
+        unit * unit * lands(0.0, 0.0).1 / along.cross(across).length()
+    }
+
+    /// A ring flash at its nearest, a penlight, a lamp on a table.
+    #[test]
+    fn a_near_lamp_lights_the_iris_as_its_rays_do() {
+        for distance in [45.0, 100.0, 300.0] {
+            let (mut astray, mut off, mut ignored) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let mut squares = [0.0_f64; 2];
+            for degrees in [0.0_f64, 20.0, 40.0, 55.0] {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let lamp = DVec3::new(sin, 0.3 * sin, -cos).normalize() * distance;
+                for i in -4..=4 {
+                    for j in -4..=4 {
+                        let place = DVec2::new(f64::from(i), f64::from(j)) * 1.25;
+                        if place.length() > 5.3 {
+                            continue;
+                        }
+                        let point = place.extend(EYE.iris_z);
+                        let (truth, _, lit) = entry(lamp, point, 20);
+                        // What limbus and critical angle keep away is not lit.
+                        if truth.truncate().length() > 5.85 || lit <= 0.0 {
+                            continue;
+                        }
+                        let (enters, light, concentrated) = entry(lamp, point, 2);
+                        astray = astray.max(enters.distance(truth));
+                        let away = lamp.distance(enters);
+                        let near = near_concentration(
+                            concentrated,
+                            enters,
+                            point,
+                            light,
+                            EYE.surface,
+                            EYE.index,
+                            1.0 / away,
+                        );
+                        let across = (distance / away).powi(2) * concentrated;
+                        let wanted = irradiance(lamp, truth, distance);
+                        let errors = [across * near, across].map(|found| found / wanted - 1.0);
+                        off = off.max(errors[0].abs());
+                        ignored = ignored.max(errors[1].abs());
+                        squares[0] += errors[0] * errors[0];
+                        squares[1] += errors[1] * errors[1];
+                    }
+                }
+            }
+            println!(
+                "{distance} mm: entry {astray:.1e} mm, irradiance {off:.4}, as if its beam were parallel {ignored:.4}"
+            );
+            assert!(astray < 2e-3, "{astray}");
+            assert!(off < 0.02, "{distance}: {off}");
+            // Where grazing light is narrowed most, its two sections differ; elsewhere next to nothing is left.
+            let [ours, parallel] = squares.map(f64::sqrt);
+            assert!(parallel > 5.0 * ours, "{distance}: {ours} {parallel}");
+        }
+    }
+}
