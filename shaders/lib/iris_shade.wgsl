@@ -14,8 +14,10 @@ const STROMA_SEGMENTS: i32 = 3;
 // How far (mm) light that is scattered more than once spreads sideways.
 const IRIS_SPREAD_MM: f32 = 0.25;
 
-// Mean cosine of what collagen bundles scatter beside their forward peak.
-const BUNDLE_COSINE: f32 = 0.44444444;
+// Of what collagen bundles scatter beside their forward peak: the share that goes into all directions alike, and the mean cosine
+// of the rest.
+const BUNDLE_SIDEWAYS: f32 = 0.39260335;
+const BUNDLE_COSINE: f32 = 0.47643979;
 
 // What the iris is made of, at three wavelengths: extinction and scattering (1/mm), the share of the latter that follows
 // Rayleigh (the rest Henyey and Greenstein), the border layer's extinction by melanin where it is densest, and what the wavelengths weigh in linear sRGB (columns).
@@ -116,7 +118,7 @@ fn iris_scattered_once(tissue: IrisTissue, surface: IrisSurface, towards: vec3f,
     let out = slanted(surface.normal, -dot(surface.normal, surface.direction));
     let cosine = dot(towards, surface.direction);
     let rayleigh = vec3f(phase_rayleigh(cosine));
-    let bundles = vec3f(phase_henyey_greenstein(cosine, BUNDLE_COSINE));
+    let bundles = vec3f(mix(phase_henyey_greenstein(cosine, BUNDLE_COSINE), PHASE_ISOTROPIC, BUNDLE_SIDEWAYS));
     let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
     // A ridge is covered where light enters and where it leaves.
     let covers = 2.0 * BORDER_LAYER_MM * min(ridge / RIDGE_STEP_MM, 1.0);

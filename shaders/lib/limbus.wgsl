@@ -21,10 +21,10 @@ fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
     return limbus_radius + (r - limbus_radius) * (0.9 / max(width, 1e-3));
 }
 
-// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against that at the sides:
-// above and below the sclera goes further over the cornea.
+// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against 0.9 mm: above and
+// below the sclera goes further over the cornea.
 fn limbus_width(sine: f32) -> f32 {
-    return 1.0 + 0.45 * sine * sine;
+    return 0.97 + 0.48 * sine * sine;
 }
 
 // What lipid in the cornea's rim sends back, linear sRGB, where it covers all.

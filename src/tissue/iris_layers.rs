@@ -12,11 +12,16 @@ use super::layers::Layer;
 use super::melanin::TissueCoefficients;
 use super::phase::PhaseMix;
 
-/// Mean cosine of scattering by bundles of collagen; skin's is 0.7 to 0.9 in visible light.
-pub const BUNDLE_MEAN_COSINE: f64 = 0.8;
+/// Share of what bundles of collagen scatter that goes into all directions alike, and mean cosine of the rest, which follows
+/// Henyey and Greenstein: human dermis at 633 nm (Jacques, Alter and Prahl 1987, *Lasers in the Life Sciences* 1, 309). A
+/// Henyey–Greenstein function alone of the same mean sends back half of that, and irises that hold melanin come out olive.
+pub const BUNDLE_ISOTROPIC: f64 = 0.1;
+const BUNDLE_PEAK_COSINE: f64 = 0.91;
+/// Mean cosine of all that they scatter.
+pub const BUNDLE_MEAN_COSINE: f64 = (1.0 - BUNDLE_ISOTROPIC) * BUNDLE_PEAK_COSINE;
 
 /// The anterior border layer with a density of its pigment from 0 to 1, bundles scattering with the
-/// mean cosine `g`: their coefficient is 1/(1 − g) times the reduced one.
+/// mean cosine `g` (0, or [`BUNDLE_MEAN_COSINE`]): their coefficient is 1/(1 − g) times the reduced one.
 fn border_layer(pigment: &IrisPigment, density: f64, tissue: &TissueCoefficients, g: f64) -> Layer {
     layer(
         tissue.absorption(
@@ -42,11 +47,14 @@ fn stroma(pigment: &IrisPigment, thickness_mm: f64, tissue: &TissueCoefficients,
 }
 
 fn layer(absorption: f64, bundles: f64, fibrils: f64, thickness_mm: f64, g: f64) -> Layer {
+    let scattering = bundles + fibrils;
+    let isotropic = BUNDLE_ISOTROPIC * bundles / scattering;
+    let peak = g / (1.0 - BUNDLE_ISOTROPIC);
     Layer {
         absorption,
-        scattering: bundles + fibrils,
+        scattering,
         thickness_mm,
-        phase: PhaseMix::new(fibrils / (bundles + fibrils), 0.0, g),
+        phase: PhaseMix::new(fibrils / scattering, isotropic, peak),
     }
 }
 
@@ -74,17 +82,29 @@ pub(super) fn reduced_stroma(
     }
 }
 
-/// Mean cosine of bundles whose forward peak, the share g² of what they scatter, is taken as not scattered (delta-Eddington:
-/// Joseph, Wiscombe and Weinman 1976): g/(1 + g). It keeps two moments of the phase function where reducing keeps one.
-pub const BUNDLE_SCALED_COSINE: f64 = BUNDLE_MEAN_COSINE / (1.0 + BUNDLE_MEAN_COSINE);
+/// Mean cosine of the forward part of bundles whose peak, the share g² of that part, is taken as not scattered
+/// (delta-Eddington: Joseph, Wiscombe and Weinman 1976): g/(1 + g). It keeps two moments of the phase function where reducing
+/// keeps one.
+pub const BUNDLE_SCALED_COSINE: f64 = BUNDLE_PEAK_COSINE / (1.0 + BUNDLE_PEAK_COSINE);
+/// What is left of all that they scatter.
+const BUNDLE_LEFT: f64 =
+    BUNDLE_ISOTROPIC + (1.0 - BUNDLE_ISOTROPIC) * (1.0 - BUNDLE_PEAK_COSINE * BUNDLE_PEAK_COSINE);
+/// Share of that which goes into all directions alike.
+pub const BUNDLE_SIDEWAYS: f64 = BUNDLE_ISOTROPIC / BUNDLE_LEFT;
+
+/// What bundles without their peak do.
+pub fn bundles_without_peak() -> PhaseMix {
+    PhaseMix::new(0.0, BUNDLE_SIDEWAYS, BUNDLE_SCALED_COSINE)
+}
 
 fn without_peak(layer: Layer, fibrils: f64) -> Layer {
-    // What is left of the bundles is (1 − g²) of them, (1 + g) times their reduced coefficient.
-    let bundles = (layer.scattering - fibrils) * (1.0 + BUNDLE_MEAN_COSINE);
+    // The layer's bundles are reduced ones, (1 − g) of themselves.
+    let bundles = (layer.scattering - fibrils) * BUNDLE_LEFT / (1.0 - BUNDLE_MEAN_COSINE);
     let scattering = bundles + fibrils;
+    let sideways = BUNDLE_SIDEWAYS * bundles / scattering;
     Layer {
         scattering,
-        phase: PhaseMix::new(fibrils / scattering, 0.0, BUNDLE_SCALED_COSINE),
+        phase: PhaseMix::new(fibrils / scattering, sideways, BUNDLE_SCALED_COSINE),
         ..layer
     }
 }
@@ -161,7 +181,13 @@ mod tests {
         }
         // Equation 14's terms at 480 nm by hand: 14.74 · 480^−0.22 = 3.78987, 2.2e11/480⁴ =
         // 4.14436.
-        assert!((reduced[0].scattering - (0.15 * 3.789_87 + 0.06 * 4.144_36)).abs() < 1e-5);
-        assert!((reduced[1].scattering - (0.17 * 3.789_87 + 0.20 * 4.144_36)).abs() < 1e-5);
+        let of = |bundles: f64, fibrils: f64| bundles * 3.789_87 + fibrils * 4.144_36;
+        let border = of(BORDER_LAYER_MIE_DENSITY, BORDER_LAYER_RAYLEIGH_DENSITY);
+        let stroma = of(STROMA_MIE_DENSITY, STROMA_RAYLEIGH_DENSITY);
+        assert!((reduced[0].scattering - border).abs() < 1e-5);
+        assert!((reduced[1].scattering - stroma).abs() < 1e-5);
+        // Without its peak a bundle keeps its reduced coefficient.
+        let left = BUNDLE_LEFT * (1.0 - bundles_without_peak().mean_cosine());
+        assert!((left - (1.0 - BUNDLE_MEAN_COSINE)).abs() < 1e-14);
     }
 }

@@ -17,7 +17,7 @@
 //! [`STROMA_PATH_MAX_MM`].
 
 use super::iris_layers::{
-    BUNDLE_SCALED_COSINE, peakless_border_layer, peakless_stroma, reduced_border_layer,
+    bundles_without_peak, peakless_border_layer, peakless_stroma, reduced_border_layer,
     reduced_stroma,
 };
 use super::layers::{Layer, mean_transmittance};
@@ -43,11 +43,11 @@ pub const BORDER_LAYER_MM: f64 = 0.04;
 /// loose mesh in aqueous humour; this and [`STROMA_MIE_DENSITY`] are calibrated so that
 /// [`IrisPigment::BLUE`], 0.45 mm thick, is as bright beside the white as photographs show light irises
 /// (their mean is sRGB 90 91 89 where the white has 202 186 169), and at the blue end of them.
-pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.20;
+pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.18;
 /// Density of thick collagen bundles in the stroma relative to the skin of equation 14.
-pub const STROMA_MIE_DENSITY: f64 = 0.17;
+pub const STROMA_MIE_DENSITY: f64 = 0.14;
 /// Density of thin fibrils in the anterior border layer relative to that skin: it is made of cells, not of a mesh.
-pub const BORDER_LAYER_RAYLEIGH_DENSITY: f64 = 0.06;
+pub const BORDER_LAYER_RAYLEIGH_DENSITY: f64 = 0.03;
 /// Density of collagen bundles in it: they give dark irises the matt brown that they have in place of black.
 pub const BORDER_LAYER_MIE_DENSITY: f64 = 0.15;
 
@@ -84,8 +84,8 @@ impl IrisPigment {
     };
     /// Dense melanin in both layers, enough of it pheomelanin to be warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.03,
-        border_layer_melanin_fraction: 0.5,
+        stroma_melanin_fraction: 0.04,
+        border_layer_melanin_fraction: 0.46,
         eumelanin_ratio: 0.05,
     };
 
@@ -225,11 +225,7 @@ static PAIRS: LazyLock<Vec<Pair>> = LazyLock::new(|| {
         out,
         share: lit * seen,
         rayleigh: mean_phase(&PhaseMix::RAYLEIGH, into, out),
-        bundles: mean_phase(
-            &PhaseMix::henyey_greenstein(BUNDLE_SCALED_COSINE),
-            into,
-            out,
-        ),
+        bundles: mean_phase(&bundles_without_peak(), into, out),
     })
     .collect()
 });
@@ -330,7 +326,7 @@ pub struct IrisTissue {
     pub border_melanin: DVec3,
     /// Scattering of the border layer.
     pub border_scattering: DVec3,
-    /// Share of that that thin fibrils do, after Rayleigh; the rest follows Henyey and Greenstein.
+    /// Share of that that thin fibrils do, after Rayleigh; the rest is what bundles do ([`super::iris_layers::bundles_without_peak`]).
     pub border_fibrils: DVec3,
     /// Extinction of the stroma.
     pub stroma: DVec3,

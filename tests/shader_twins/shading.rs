@@ -516,7 +516,7 @@ pub fn draw_shade(rng: &mut Pcg64) -> [f32; 4] {
 pub fn shade_of(x: &[f64]) -> LidShade {
     LidShade {
         sky: x[0],
-        key: x[1],
+        contact: x[1],
         upper_gap: x[2],
         lower_gap: x[3],
     }

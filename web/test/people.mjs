@@ -13,6 +13,13 @@ async function panels(page, name) {
 
 const changes = (a, b) => Object.fromEntries(PANELS.map((panel) => [panel, pixels.changedFraction(a[panel], b[panel])]));
 
+/** The share of the eye's panel that is as red as no skin is. */
+function redShare({ eye: { data } }) {
+  let red = 0;
+  for (let at = 0; at < data.length; at += 4) red += data[at] > 70 && data[at] > 1.65 * data[at + 1];
+  return red / (data.length / 4);
+}
+
 async function setPaused(page, wanted) {
   if ((await readState(page)).paused !== wanted) await page.keyboard.press("Space");
   assert(await until(MOTION_LIMIT_S, async () => (await readState(page)).paused === wanted), `paused is not ${wanted}`);
@@ -65,6 +72,16 @@ export async function checkChoices(page) {
     await shown("patient=healthy-blue&look_iris_brightness=3.5&look_refraction=0", "artist.png");
     const bright = await until(MOTION_LIMIT_S, async () => changes(plain, await panels(page, "artist.png")).eye > 0.005);
     assert(bright, "the eye stays as it was");
+  });
+  await check("the fundus shines red before a light along the lens's axis", async () => {
+    let red = await redShare(await shown("patient=healthy-blue&light=window&pupil_mm=7"));
+    assert(red < 0.001, `${red} is red already`);
+    await shown("patient=healthy-blue&light=coaxial&pupil_mm=7", "coaxial.png");
+    const reflex = await until(MOTION_LIMIT_S, async () => {
+      red = await redShare(await panels(page, "coaxial.png"));
+      return red > 0.003;
+    });
+    assert(reflex, `only ${red} of the eye's panel is red`);
   });
   await setPaused(page, false);
   await check("an astigmat's view is drawn", async () => {

@@ -25,10 +25,12 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
             let (tag, relief) = (surface.tag[index] - 0.5, surface.relief[index]);
             let blotch = blotches[index];
             let mottle = fbm(u * 90.0, v * 16.0, [90, 0], 3, seed ^ 1);
-            let cells = lerp(0.38, 0.55, cover) + 0.6 * blotch + 0.45 * mottle + 0.6 * tag;
+            // Where the layer covers all it is dense everywhere, down to the floors of the crypts.
+            let closed = smoothstep(0.15, 0.6, cover);
+            let cells = lerp(0.38, 0.84, closed) + 0.6 * blotch + 0.45 * mottle + 0.6 * tag;
             // The border layer lies on the crests and is missing over openings.
-            let laid = lerp(lerp(0.5, 0.7, cover), 1.1, smoothstep(0.15, 0.75, relief));
-            let bare = 1.0 - lerp(0.6, 0.2, cover) * layout.crypt[index];
+            let laid = lerp(lerp(0.5, 0.85, closed), 1.1, smoothstep(0.15, 0.75, relief));
+            let bare = 1.0 - lerp(0.6, 0.1, closed) * layout.crypt[index];
             let ring = columns[column].ring(settings, v, tag + 0.3 * mottle);
             let own = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
             let brown = (cells + 0.3) * laid * bare;

@@ -66,6 +66,8 @@ fn every_channel_stays_in_its_range_for_legal_and_illegal_settings() {
         central_heterochromia: 7.0,
         freckle_count: 10_000,
         border_layer_cover: f32::NEG_INFINITY,
+        own_melanin: f32::NAN,
+        sector: [7.0, f32::NAN],
     };
     let open = IrisMapSettings {
         crypt_density: 1.0,
@@ -262,4 +264,38 @@ fn levels_begin_with_the_map() {
     let levels = map.levels();
     assert_eq!((levels[0].0, levels[0].1, levels.len()), (256, 64, 9));
     assert_eq!(levels[0].2, map.texels);
+}
+
+#[test]
+fn a_sector_is_as_dense_as_a_brown_iris_and_the_rest_keeps_its_own() {
+    let own = IrisMapSettings {
+        own_melanin: 0.04,
+        freckle_count: 0,
+        ..seeded(5)
+    };
+    let sector = IrisMapSettings {
+        sector: [0.25, 0.1],
+        ..own.clone()
+    };
+    let (own, sector) = (map(&own), map(&sector));
+    let mean = |map: &IrisMap, from: f32, to: f32| {
+        let places = (0..200).flat_map(|i| (2..9).map(move |j| (i, j)));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (i, j) in places {
+            let u = from + (to - from) * (i as f32 + 0.5) / 200.0;
+            sum += map.sample(u, j as f32 * 0.1).border_melanin;
+            count += 1.0;
+        }
+        sum / count
+    };
+    assert!(
+        mean(&sector, 0.18, 0.32) > 0.4,
+        "{}",
+        mean(&sector, 0.18, 0.32)
+    );
+    assert!(mean(&own, 0.18, 0.32) < 0.04);
+    // Beyond its ragged border nothing has changed.
+    for (from, to) in [(0.4, 0.9), (0.0, 0.12)] {
+        assert!((mean(&sector, from, to) - mean(&own, from, to)).abs() < 1e-6);
+    }
 }

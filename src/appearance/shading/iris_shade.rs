@@ -9,12 +9,13 @@ use super::iris_relief::{
     IrisFrame, IrisPlace, IrisTexel, RIDGE_STEP_MM, iris_level, iris_step, iris_texel,
     iris_texel_mm, relief_march, relief_normal, relief_ridge,
 };
+use super::mix;
 use crate::appearance::images::MapView;
 use crate::optics::smoothstep::smoothstep;
-use crate::tissue::iris_layers::BUNDLE_SCALED_COSINE;
+use crate::tissue::iris_layers::{BUNDLE_SCALED_COSINE, BUNDLE_SIDEWAYS};
 use crate::tissue::iris_reflectance::{AQUEOUS_SLANT, BORDER_LAYER_MM, IrisTissue};
 use crate::tissue::layers::layer_segment_scatter;
-use crate::tissue::phase::{phase_henyey_greenstein, phase_rayleigh};
+use crate::tissue::phase::{PHASE_ISOTROPIC, phase_henyey_greenstein, phase_rayleigh};
 use glam::{DVec2, DVec3, DVec4};
 
 /// Longest path (mm) of the reflectance map.
@@ -177,7 +178,8 @@ pub fn iris_scattered_once(
     let out = slanted(surface.normal, -surface.normal.dot(surface.direction));
     let cosine = towards.dot(surface.direction);
     let rayleigh = phase_rayleigh(cosine);
-    let bundles = phase_henyey_greenstein(cosine, BUNDLE_SCALED_COSINE);
+    let peak = phase_henyey_greenstein(cosine, BUNDLE_SCALED_COSINE);
+    let bundles = mix(peak, PHASE_ISOTROPIC, BUNDLE_SIDEWAYS);
     let phase = |fibrils: DVec3| bundles + fibrils * (rayleigh - bundles);
     let fade = |depth: DVec3| (-depth).exp();
     let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
@@ -323,7 +325,10 @@ mod tests {
                 let sines = f64::sqrt((1.0 - into * into) * (1.0 - out * out));
                 let cosine = -(into * out + sines * f64::cos(turn));
                 let phase = |share: DVec3| {
-                    let of = |share: f64| phase_mix(cosine, share, 0.0, BUNDLE_SCALED_COSINE);
+                    let of = |share: f64| {
+                        let sideways = (1.0 - share) * BUNDLE_SIDEWAYS;
+                        phase_mix(cosine, share, sideways, BUNDLE_SCALED_COSINE)
+                    };
                     DVec3::new(of(share.x), of(share.y), of(share.z))
                 };
                 let mean = |above: DVec3, extinction: DVec3, scattering: DVec3, thickness: f64| {

@@ -26,10 +26,9 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
 }
 
 /// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against
-/// that at the sides: above and below the sclera goes further over the cornea (REFERENCE: the vertical diameter of what
-/// is seen of it is a millimetre less).
+/// 0.9 mm: above and below the sclera goes further over the cornea, whose vertical diameter looks a millimetre less.
 pub fn limbus_width(sine: f64) -> f64 {
-    1.0 + 0.45 * sine * sine
+    0.97 + 0.48 * sine * sine
 }
 
 /// What lipid in the cornea's rim sends back, linear sRGB, where it covers all (a choice: photographs show it grey, a
