@@ -8,22 +8,27 @@ use ocularium::anatomy::{Eye, Laterality, OcularMedia};
 use ocularium::conditions::{Cataract, Glaucoma};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::patients::{PatientFile, PupilSetting};
+use ocularium::stage::{PanelLight, Session};
 
 const SIDE: u32 = 400;
 
-/// Somebody of 60 years whose wide pupils stand, looking at one place, with this cataract.
+/// Somebody of 60 years whose wide pupils stand, looking at one place, by a window.
 fn opened() -> Headless {
+    opened_in("window")
+}
+
+/// The same in this light.
+fn opened_in(light: &str) -> Headless {
     let file = PatientFile {
         age_years: 60.0,
         pupil: PupilSetting::Fixed(7.0),
         ..patient("healthy-blue")
     };
-    let mut headless = open(
-        session(file, 3),
-        UVec2::splat(SIDE),
-        UVec2::splat(160),
-        [true; 2],
-    );
+    let asked = Session {
+        light: PanelLight::of(light).expect("a light"),
+        ..session(file, 3)
+    };
+    let mut headless = open(asked, UVec2::splat(SIDE), UVec2::splat(160), [true; 2]);
     settle(&mut headless);
     without_blinks(&mut headless);
     look(&mut headless, 0.0, 0.0, 3.0);
@@ -90,6 +95,35 @@ fn pupil(picture: &RgbaImage) -> [u32; 2] {
             light(a).total_cmp(&light(b))
         })
         .expect("a place")
+}
+
+#[test]
+fn the_fundus_shines_through_a_clear_lens_and_clouds_stand_dark_before_it() {
+    let _alone = alone();
+    let shown = |light: &str, cataract| {
+        let mut headless = opened_in(light);
+        let ([picture, _], _) = clouded(&mut headless, cataract);
+        picture
+    };
+    let by_window = shown("window", None);
+    let [x, y] = pupil(&by_window);
+    // Beside the lamp's own images.
+    let place = [x - 14, y + 14];
+    let of = |picture: &RgbaImage| color_at(picture, place, 3);
+    let window = of(&by_window);
+    let reflex = of(&shown("coaxial", None));
+    let aside = of(&shown("penlight", None));
+    let plaque = of(&shown(
+        "coaxial",
+        Some(Cataract::posterior_subcapsular(5.9)),
+    ));
+    println!(
+        "window {window:.4?}, along the axis {reflex:.4?}, aside {aside:.4?}, behind a cloud {plaque:.4?}"
+    );
+    let [red, green, blue] = reflex;
+    assert!(red > 2.0 * green && green > blue, "{reflex:?}");
+    assert!(red > 10.0 * window[0].max(aside[0]), "{window:?} {aside:?}");
+    assert!(plaque[0] < 0.6 * red, "{plaque:?}");
 }
 
 #[test]

@@ -76,6 +76,10 @@ struct Globe {
     lens_thickness_mm: f32,
     // That bends as the whole lens does.
     lens_index: f32,
+    // How far its front stands behind the plane of the iris; negative before it.
+    lens_forward_mm: f32,
+    // What it leaves of light that crosses it twice.
+    lens_passes: vec3<f32>,
     // Size of the entrance pupil against the hole in the iris.
     pupil_magnification: f32,
     // Vergence for which the eye is in focus now (1/mm), a power vector.
@@ -110,15 +114,16 @@ fn head_from_eye() -> mat3x3f {
 
 #ifdef CORNEA
 fn mirror_eye() -> MirrorEye {
-    return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.lens_front, globe.lens_back, globe.thickness_mm, globe.iris_depth_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
+    return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.lens_front, globe.lens_back, globe.thickness_mm, globe.iris_depth_mm + globe.lens_forward_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
 }
 
-// Radiance that a surface within the eye mirrors, where it comes from within `open` mm of the pupil's middle.
-fn inner_image(image: LensMirrored, open: f32) -> vec3f {
-    let comes = step(0.5, dot(image.direction, image.direction)) * step(distance(image.crossing, globe.pupil_center_mm), open);
+// Radiance that a surface within the eye mirrors, where it comes from within `open` mm of the pupil's middle; the lens's front has
+// the grain of its fibres, so its image is blurred (rad).
+fn inner_image(image: LensMirrored, open: f32, blur: f32) -> vec3f {
+    let comes = step(0.5, dot(image.direction, image.direction)) * step(distance(image.crossing, globe.pupil_center_mm), open) * step(length(image.exit.xy), globe.limbus_mm);
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let outside = normalize(image.direction + vec3f(0.0, 0.0, -1e-3));
-    return mirrored(head_from_eye() * (image.exit + apex), head_from_eye() * outside, 0.02) * (image.share * comes);
+    return mirrored(head_from_eye() * (image.exit + apex), head_from_eye() * outside, blur) * (image.share * comes);
 }
 
 // A lamp as it is where its light to a place of the iris' plane enters the cornea, eye frame.
@@ -145,58 +150,63 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #endif
     let trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
     if trace.valid < 0.5 {
-        return vec3f(0.02, 0.018, 0.016);
+        return IRIS_ANGLE_COLOR * ambient(-head_from_eye()[2]) * shade.sky;
     }
     let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, globe.iris_thicken, globe.iris_furrows);
     let at = trace.point.xy / size;
     let place = iris_place(at, iris);
     let surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
-    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * ambient(-head_from_eye()[2]) * shade.sky;
-    var lamps = vec3f(0.0);
+    // The sky's light in the lids' shade where it comes from, before this place.
+    let apex = vec3f(0.0, 0.0, -globe.apex_mm);
+    let before = lid_shade(globe.lids, head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
+    let around = ambient(-head_from_eye()[2]) * before.sky;
+    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * around;
+    var light = around;
     var reflex = vec3f(0.0);
+    let off = (trace.point.xy - globe.pupil_center_mm) * globe.pupil_magnification;
     for (var i = 0; i < LAMPS; i++) {
         let lamp = iris_lamp_at(i, surface.at);
         let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, surface.at, globe.iris_root_mm, globe.limbus_mm);
         // In the lids' shade where it enters.
         let enters = light_entry(vec3f(surface.at, globe.iris_depth_mm), arrives.xyz, vec2f(globe.anterior_radius_mm, globe.anterior_p));
-        let lids = lid_shade(globe.lids, head_from_eye() * (enters - vec3f(0.0, 0.0, globe.apex_mm)));
+        let lids = lid_shade(globe.lids, head_from_eye() * (enters + apex));
         let color = lamp.color * lid_lamp(lids, head_from_eye() * lamp.direction, lamp.radius);
         var concentrated = 1.0;
 #ifdef ARTISTIC
         concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
 #endif
         lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
-        lamps += color;
-#ifdef NEAR_LAMPS
+        light += color * max(-lamp.direction.z, 0.0);
         // Seen from the middle of the entrance pupil, which stands about as deep as the iris.
         var own = illumination.lamps[i];
         own.direction = own.direction * head_from_eye();
-        let seen = lamp_from(own, vec3f(globe.pupil_center_mm, globe.iris_depth_mm - globe.apex_mm));
-        let off = (trace.point.xy - globe.pupil_center_mm) * globe.pupil_magnification;
-        reflex += seen.color * lid_lamp(shade, head_from_eye() * seen.direction, seen.radius) * fundus_reflex(seen.direction, seen.radius, seen.hole, own.vergence * (seen.radius / max(own.radius, 1e-6)), -direction, off, globe.focus, globe.pupil_radius_mm * globe.pupil_magnification);
-#endif
+        let seen = lamp_from(own, vec3f(globe.pupil_center_mm, globe.iris_depth_mm) + apex);
+        let passes = lid_lamp(before, head_from_eye() * seen.direction, seen.radius);
+        reflex += seen.color * passes * fundus_reflex(seen.direction, seen.radius, seen.hole, own.vergence * (seen.radius / max(own.radius, 1e-6)), -direction, off, globe.focus, globe.pupil_radius_mm * globe.pupil_magnification);
     }
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
+    // What the nucleus and clouds leave of light that crosses the lens and comes back.
+    var crosses = globe.lens_passes;
 #ifdef CLOUDED
     let slope = trace.direction.xy / max(trace.direction.z, 0.2);
     lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
-#ifdef NEAR_LAMPS
-    reflex *= lens_clear(globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
-#endif
+    crosses *= lens_clear(globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
 #endif
     // The second Purkinje image, of the cornea's back, and the third and fourth, of the lens.
     let eye = mirror_eye();
     let entered = snell_refract(direction, conicoid_normal(trace.entry, eye.anterior.x, eye.anterior.y), 1.0 / eye.n_cornea);
-    let second = inner_image(mirror_cornea(trace.entry, entered.xyz, eye), 100.0);
-    let inner = inner_image(mirror_lens_front(trace.point, trace.direction, eye), globe.pupil_radius_mm) + inner_image(mirror_lens_back(trace.point, trace.direction, eye), globe.pupil_radius_mm);
+    let second = inner_image(mirror_cornea(trace.entry, entered.xyz, eye), 100.0, 0.012);
+    let third = inner_image(mirror_lens_front(trace.point, trace.direction, eye), globe.pupil_radius_mm, 0.06);
+    let fourth = inner_image(mirror_lens_back(trace.point, trace.direction, eye), globe.pupil_radius_mm, 0.025);
     // Radiance spreads where it leaves the aqueous; what the lens sends back is as it is seen from outside.
     lit /= globe.aqueous_index * globe.aqueous_index;
 #ifdef ARTISTIC
     lit *= globe.look.iris_brightness;
 #endif
-    let behind = pupil_radiance(lamps, lens) + reflex * globe.fundus + inner;
-    let inside = iris_and_pupil(behind, lit, edge, place.uv.y);
+    // The light has come in through the cornea too.
+    let behind = pupil_radiance(light, lens) + third + (reflex * globe.fundus * trace.transmittance + fourth) * crosses;
+    let inside = iris_and_pupil(behind, lit, light, edge, place.uv.y);
     return (inside + second) * trace.transmittance;
 }
 #endif
@@ -324,9 +334,11 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let blur = mix(broken, globe.look.cornea_roughness, corneal);
     specular *= globe.look.white_specularity;
     let strength = mix(globe.look.white_specularity, globe.look.cornea_specularity, corneal);
-    // As if the eye were seen from far away along the middle of the picture.
-    let along = normalize((head_from_eye() * camera));
-    specular += 0.25 * globe.look.matcap * mirrored(p_head, reflect(-along, n_head), 0.05);
+    // By the normal as the camera has it: what is before a camera that looks at the face from the front.
+    let along = normalize(head_from_eye() * camera);
+    let beside = normalize(cross(along, vec3f(0.0, 1.0, 0.0)) + vec3f(1e-6, 0.0, 0.0));
+    let turned = vec3f(dot(n_head, beside), dot(n_head, cross(beside, along)), -dot(n_head, along));
+    specular += 0.25 * globe.look.matcap * mirrored(p_head, reflect(vec3f(0.0, 0.0, 1.0), turned), 0.05);
 #else
     let blur = mix(broken, 0.012, corneal);
     let strength = 1.0;

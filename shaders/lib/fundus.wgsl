@@ -2,6 +2,8 @@
 
 // From the eye's second nodal point to its retina (Gullstrand), mm.
 const FUNDUS_DISTANCE_MM: f32 = 16.7;
+// Index of the vitreous: radiance is less by its square outside.
+const FUNDUS_INDEX: f32 = 1.336;
 // How far light spreads in the fundus, rad in front of the eye.
 const FUNDUS_SPREAD: f32 = 0.005;
 
@@ -37,6 +39,6 @@ fn fundus_reflex(light: vec3f, radius: f32, hole: f32, vergence: f32, towards: v
     let dark = clamp(hole, 0.0, 0.95);
     let inner = dark * dark * fundus_lit(off, dark * radius, blur, pupil);
     let lit = max(fundus_lit(off, radius, blur, pupil) - inner, 0.0) / (1.0 - dark * dark);
-    let share = pupil / FUNDUS_DISTANCE_MM;
+    let share = pupil / (FUNDUS_DISTANCE_MM * FUNDUS_INDEX);
     return 3.14159265 * share * share * lit * max(-light.z, 0.0);
 }

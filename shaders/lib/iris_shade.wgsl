@@ -159,21 +159,24 @@ fn iris_ambient(reflectance_map: texture_2d<f32>, linear: sampler, surface: Iris
     return arrives * iris_covered(surface.texel) * iris_reflectance(reflectance_map, linear, surface, -IRIS_SKY_COSINE, 0.0);
 }
 
-// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' `light`.
+// What shows through the pupil of the irradiance / pi on it, `light`: next to nothing, and what the lens sends back (`lens`).
 fn pupil_radiance(light: vec3f, lens: vec3f) -> vec3f {
-    return vec3f(0.0016, 0.0013, 0.0012) + light * lens;
+    return light * (vec3f(0.0019, 0.0015, 0.0014) + lens);
 }
 
 // Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven
 // and softened over a pixel.
 fn pupil_edge(uv: vec2f, footprint: f32, width: f32) -> f32 {
-    let uneven = 0.006 * sin(uv.x * 81.6814) + 0.005 * sin(uv.x * 37.6991 + 1.7);
+    let uneven = 0.003 * sin(uv.x * 81.6814) + 0.003 * sin(uv.x * 37.6991 + 1.7);
     let soft = max(0.75 * footprint / width, 0.008);
     return smoothstep(-soft, soft, uv.y - uneven);
 }
 
-// Pupil, iris and, past the root, the dark angle behind the limbus, each by its share.
-fn iris_and_pupil(pupil: vec3f, iris: vec3f, edge: f32, v: f32) -> vec3f {
+// Reflectance of the dark angle behind the limbus.
+const IRIS_ANGLE_COLOR = vec3<f32>(0.035, 0.033, 0.032);
+
+// Pupil, iris and, past the root, the dark angle in this `light`, each by its share.
+fn iris_and_pupil(pupil: vec3f, iris: vec3f, light: vec3f, edge: f32, v: f32) -> vec3f {
     let beyond = smoothstep(1.0, 1.12, v);
-    return mix(pupil, mix(iris, vec3f(0.03, 0.028, 0.027), beyond), edge);
+    return mix(pupil, mix(iris, IRIS_ANGLE_COLOR * light, beyond), edge);
 }

@@ -28,14 +28,14 @@ fn limbus_width(sine: f32) -> f32 {
 }
 
 // What lipid in the cornea's rim sends back, linear sRGB, where it covers all.
-const ARCUS_COLOR = vec3<f32>(0.56, 0.55, 0.50);
+const ARCUS_COLOR = vec3<f32>(0.62, 0.58, 0.47);
 
 // Share of a place of the cornea, `r` from the axis, that an arcus covers: a ring with a clear rim outside it, which comes first
 // above and below; `lipid` 0 to 1.
 fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32) -> f32 {
     let inside = limbus_radius - r;
     let wide = 0.7 + 1.3 * lipid;
-    let ring = smoothstep(0.05, 0.45, inside) * smoothstep(wide + 0.35, 0.5 * wide, inside);
-    let there = mix(smoothstep(0.15, 0.75, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);
-    return 0.75 * ring * there;
+    let ring = smoothstep(-0.05, 0.4, inside) * smoothstep(wide + 0.7, 0.35 * wide, inside);
+    let there = mix(0.65 * smoothstep(0.15, 0.85, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);
+    return 0.85 * ring * there;
 }

@@ -114,6 +114,10 @@ pub struct GlobeUniform {
     pub lens_thickness_mm: f32,
     /// Its equivalent index.
     pub lens_index: f32,
+    /// How far its front stands behind the plane of the iris; negative before it.
+    pub lens_forward_mm: f32,
+    /// What it leaves of light that crosses it twice, linear sRGB.
+    pub lens_passes: Vec3,
     /// Size of the entrance pupil against the hole in the iris.
     pub pupil_magnification: f32,
     /// Vergence for which the eye is in focus now, 1/mm: a power vector of the eye frame.

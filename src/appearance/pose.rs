@@ -5,7 +5,6 @@ use super::iris_map::{furrow_depth, thicken};
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
-use super::tissue_maps::fundus;
 use crate::anatomy::{
     Accommodation, Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia, Pupil,
     Refraction,
@@ -92,7 +91,7 @@ pub fn cloud_lenses(
             if let Some(mut material) = assets.globes.get_mut(material) {
                 material.clouded = !media.is_clear();
                 let through = media.transmittance();
-                material.globe.fundus = fundus() * through * through;
+                material.globe.lens_passes = through * through;
                 material.globe.lens = media.healthy_backscatter();
                 material.globe.nucleus = media.nucleus_color();
                 material.globe.cortical_share = media.cortical_share as f32;
@@ -134,6 +133,7 @@ pub fn focus_lenses(
                 material.globe.lens_back = lens.back.as_vec2();
                 material.globe.lens_thickness_mm = lens.thickness_mm as f32;
                 material.globe.lens_index = lens.index as f32;
+                material.globe.lens_forward_mm = lens.forward_mm as f32;
                 material.globe.focus = (DVec3::new(m_d - response_d, j0_d, j45_d) * 1e-3).as_vec3();
             }
         }

@@ -77,7 +77,7 @@ impl StudioLight {
     pub(super) fn on_the_lens(self, orbit: &EyeOrbit) -> Lamp {
         let lens = orbit.place_mm();
         match self {
-            Self::Coaxial => near_lamp(lens, COAXIAL_MM, COAXIAL_COLOR, 0.0),
+            Self::Coaxial => near_lamp(lens, COAXIAL_WIDTH * lens.length(), COAXIAL_COLOR, 0.0),
             _ => near_lamp(lens, RING_MM, RING_COLOR, RING_HOLE),
         }
     }
@@ -103,8 +103,9 @@ const FACE_LIGHT: f64 = 0.845;
 const RING_MM: f32 = 33.0;
 const RING_HOLE: f32 = 0.68;
 const RING_COLOR: Vec3 = Vec3::splat(0.80);
-/// Radius of a lamp that shines through the lens by a mirror, mm.
-const COAXIAL_MM: f32 = 2.0;
+/// Radius of a lamp that shines through the lens by a mirror, in its distance: with the distance its light on the fundus would
+/// else go from pale to burnt out.
+const COAXIAL_WIDTH: f32 = 0.02;
 const COAXIAL_COLOR: Vec3 = Vec3::new(0.80, 0.78, 0.76);
 /// Where a penlight is held (head frame, mm) and its radius.
 const PENLIGHT_PLACE_MM: Vec3 = Vec3::new(46.0, -22.0, -92.0);

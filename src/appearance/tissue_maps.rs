@@ -39,7 +39,7 @@ pub(super) fn iris_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
     map_image(&map.levels(), true)
 }
 /// What the fundus sends back through clear media, linear sRGB.
-pub(super) fn fundus() -> Vec3 {
+fn fundus() -> Vec3 {
     Vec3::from(fundus_color().map(|channel| channel as f32))
 }
 
@@ -209,6 +209,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,
         pupil_magnification: cornea.pupil_magnification(iris.depth_mm) as f32,
         fundus: fundus(),
+        lens_passes: Vec3::ONE,
         lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
         // The lens is filled in by its media and by what it is focused for, the pupil's place by who moves it.
         ..GlobeUniform::default()

@@ -51,6 +51,15 @@ impl FrameFolder {
                     .into(),
             });
         }
+        let trace = out.join("trace.csv");
+        if counted.is_none() && lock.left.is_none() && trace.exists() {
+            return Err(WriteError {
+                path: trace.display().to_string(),
+                reason: "a table of this name is there, and no report of an earlier run is beside it; choose another \
+                         folder with --out"
+                    .into(),
+            });
+        }
         Ok(Self {
             out: out.into(),
             lock,

@@ -50,7 +50,12 @@ pub struct LensShape {
     pub thickness_mm: f64,
     /// Its equivalent index.
     pub index: f64,
+    /// How far its front has moved from where it stands relaxed, mm; negative towards the cornea.
+    pub forward_mm: f64,
 }
+
+/// Depth of the front of Navarro's relaxed lens behind the corneal apex, mm.
+const RELAXED_DEPTH_MM: f64 = 3.6;
 
 impl LensShape {
     /// The lens of Navarro, Santamaría and Bescós 1985, accommodated by 0 to 10 D; anything else is taken to the
@@ -67,6 +72,7 @@ impl LensShape {
             back: shape(back),
             thickness_mm: back.placed.vertex.z - front.placed.vertex.z,
             index: front.back.at(front.placed.vertex),
+            forward_mm: front.placed.vertex.z - RELAXED_DEPTH_MM,
         }
     }
 }
@@ -290,12 +296,17 @@ mod tests {
                     lens_front: lens.front,
                     lens_back: lens.back,
                     lens_thickness: lens.thickness_mm,
+                    lens_depth: LE_GRAND.lens_depth + lens.forward_mm,
                     n_lens: lens.index,
                     ..LE_GRAND
                 },
             )
         };
         assert!(of(6.0)[1] < 0.8 * of(0.0)[1] && of(6.0)[0] < of(0.0)[0]);
+        // The chamber is shallower by 0.05 ln(1 + A).
+        assert!(relaxed.forward_mm.abs() < 1e-12);
+        let moved = LensShape::accommodated(6.0).forward_mm;
+        assert!((moved + 0.05 * 7f64.ln()).abs() < 1e-12, "{moved}");
         assert!(LensShape::accommodated(f64::NAN) == relaxed);
     }
 

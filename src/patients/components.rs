@@ -144,6 +144,7 @@ impl PatientFile {
                 iris,
                 lids,
             });
+            remarks.extend(self.of_eye(laterality).cut_blur());
             if !look.is_neutral() {
                 remarks.push(self.of_eye(laterality).artists_choices());
             }
@@ -158,6 +159,21 @@ impl PatientFile {
                 .map(move |remark| format!("{eye}.{remark}"))
         };
         of("right", right).chain(of("left", left)).collect()
+    }
+
+    /// That its largest blur is not shown whole: of what is far away through a pupil of 4 mm, or the one that is held.
+    fn cut_blur(&self) -> Option<String> {
+        let pupil_mm = self.pupil.diameter_mm().unwrap_or(4.0);
+        // The more short-sighted of the two meridians; what is long-sighted the lens may make up for.
+        let short_d = (-self.sphere_d).max(-self.sphere_d - self.cylinder_d);
+        let arcmin = (1e-3 * pupil_mm * short_d).to_degrees() * 60.0;
+        (arcmin > self.blur_cap_arcmin).then(|| {
+            format!(
+                "what is far away is blurred over {arcmin:.0}′ through a pupil of {pupil_mm} mm, and shown with \
+                 {} at most (blur_cap_arcmin)",
+                self.blur_cap_arcmin
+            )
+        })
     }
 
     /// Names the fields in which an artist has chosen otherwise than anatomy has it.

@@ -15,6 +15,7 @@ use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::scene::catalog::BuiltIn;
 use crate::stage::PanelLight;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Version of the notation that is written.
@@ -207,7 +208,11 @@ impl LinkState {
             .collect();
         let mut fields = Vec::new();
         let mut preset = USUAL_PATIENT;
+        let mut given = BTreeSet::new();
         for (key, value) in &pairs {
+            if !given.insert(key) {
+                refused.push(format!("The link has {key} twice; the last counts."));
+            }
             let outcome = match key.as_str() {
                 "patient" => known_preset(value).map(|name| preset = name),
                 "v" => check_version(value),

@@ -404,7 +404,7 @@ fn the_light_of_the_iris() {
 fn what_shows_through_the_pupil() {
     let call = format!(
         "{IRIS} let c = pupil_radiance(vec3f(x[8], x[9], x[10]), x[14] * vec3f(0.012, 0.010, 0.006)); {RGB_OUT} \
-         y[3] = pupil_edge(p, x[15], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[11], x[12], x[13]), y[3], p.y); \
+         y[3] = pupil_edge(p, x[15], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[11], x[12], x[13]), vec3f(x[8], x[9], x[10]), y[3], p.y); \
          y[4] = m.x; y[5] = m.y; y[6] = m.z; \
          y[7] = iris_path(x[14], -x[15], x[9]);"
     );
@@ -427,7 +427,8 @@ fn what_shows_through_the_pupil() {
                     x[14] * DVec3::new(0.012, 0.010, 0.006),
                 );
                 let edge = iris_shade::pupil_edge(place, x[15], iris.width());
-                let both = iris_shade::iris_and_pupil(pupil, v3(&x[11..]), edge, place.y);
+                let both =
+                    iris_shade::iris_and_pupil(pupil, v3(&x[11..]), v3(&x[8..]), edge, place.y);
                 let path = iris_shade::iris_path(x[14], -x[15], x[9]);
                 [rgb(pupil), vec![edge], rgb(both), vec![path]].concat()
             },

@@ -64,7 +64,8 @@ impl Column {
                 + 0.05 * value_noise(u * 53.0, 53, seed ^ 1),
             within: {
                 let [middle, half] = settings.sector;
-                let ragged = 0.012 * value_noise(u * 71.0, 71, seed ^ 2);
+                let ragged = 0.02 * value_noise(u * 71.0, 71, seed ^ 2)
+                    + 0.015 * value_noise(u * 23.0, 23, seed ^ 4);
                 if half > 0.0 {
                     half - wrap_half(u - middle).abs() + ragged
                 } else {
@@ -76,9 +77,9 @@ impl Column {
 
     /// Share of the sector's colour: its border runs along the fibres.
     fn sector(&self, v: f32, tag: f32) -> f32 {
-        let border = self.within + 0.012 * tag + 0.004 * (v - 0.5);
-        if self.within > -0.02 {
-            smoothstep(-0.004, 0.008, border)
+        let border = self.within + 0.035 * tag + 0.01 * (v - 0.5);
+        if self.within > -0.05 {
+            smoothstep(-0.006, 0.014, border)
         } else {
             0.0
         }
@@ -101,7 +102,7 @@ fn freckles(melanin: &mut [f32], settings: &IrisMapSettings, grid: Grid) {
         let (u, v) = (dice.unit(), dice.range(0.12, 0.95));
         let size = dice.unit();
         let radius_mm = lerp(0.03, 0.26, size * size * size);
-        let (density, seed) = (dice.range(0.5, 1.0), dice.next_u32());
+        let (density, seed) = (dice.range(0.7, 1.0), dice.next_u32());
         let stretch = dice.range(0.8, 1.5);
         let reach = 1.8 * radius_mm * stretch / DESIGN_WIDTH_MM;
         for row in grid.rows(v - reach, v + reach) {
@@ -114,7 +115,7 @@ fn freckles(melanin: &mut [f32], settings: &IrisMapSettings, grid: Grid) {
                 let x =
                     wrap_half((column as f32 + 0.5) / grid.width as f32 - u) / (scale * radius_mm);
                 let rough = 0.5 * fbm(x * 1.6 + 9.0, y * 1.1, [0, 0], 4, seed);
-                let spot = density * smoothstep(1.1, 0.55, x.hypot(y) + rough);
+                let spot = density * smoothstep(1.05, 0.75, x.hypot(y) + rough);
                 melanin[index] = melanin[index].max(spot).max(melanin[index] + 0.5 * spot);
             }
         }

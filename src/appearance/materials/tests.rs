@@ -131,6 +131,8 @@ fn every_number_is_where_its_shader_reads_it() {
         lens_back = Vec2::splat(9.0),
         lens_thickness_mm = 9.0,
         lens_index = 9.0,
+        lens_forward_mm = 9.0,
+        lens_passes = Vec3::splat(9.0),
         pupil_magnification = 9.0,
         focus = Vec3::splat(9.0),
         fundus = Vec3::splat(9.0),

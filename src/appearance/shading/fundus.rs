@@ -10,6 +10,8 @@ use glam::{DVec2, DVec3};
 
 /// From the eye's second nodal point to its retina (Gullstrand), mm.
 pub const FUNDUS_DISTANCE_MM: f64 = 16.7;
+/// Index of the vitreous: radiance is less by its square outside.
+const FUNDUS_INDEX: f64 = 1.336;
 /// How far light spreads in the fundus, rad in front of the eye (a choice: the half-width of what a double pass finds of a point).
 pub const FUNDUS_SPREAD: f64 = 0.005;
 
@@ -57,7 +59,7 @@ pub fn fundus_reflex(
     let dark = hole.clamp(0.0, 0.95);
     let inner = dark * dark * fundus_lit(off, dark * radius, blur, pupil);
     let lit = (fundus_lit(off, radius, blur, pupil) - inner).max(0.0) / (1.0 - dark * dark);
-    let share = pupil / FUNDUS_DISTANCE_MM;
+    let share = pupil / (FUNDUS_DISTANCE_MM * FUNDUS_INDEX);
     PI * share * share * lit * (-light.z).max(0.0)
 }
 
@@ -139,11 +141,22 @@ mod tests {
                         * step;
                 }
             }
-            // Irradiance / π of one over the pupil's π r² is π² r² of light, and as much over f² of irradiance and angle, of which
-            // a fundus of one sends back 1/π.
-            let wanted = PI * (2.0 / FUNDUS_DISTANCE_MM).powi(2);
+            // Irradiance / π of one over the pupil's π r² is π² r² of light. Over f² for each steradian before the eye it is the
+            // retina's irradiance, of which a fundus of one sends back 1/π, and of that radiance 1/n² is left outside.
+            let wanted = PI * (2.0 / (FUNDUS_DISTANCE_MM * 1.336)).powi(2);
             assert!((sum / wanted - 1.0).abs() < 3e-3, "{focus}: {sum} {wanted}");
         }
+    }
+
+    /// What leaves is what a retina of Lambert sends into the exit pupil: in the paraxial eye it is 0.91 of the stop's image in
+    /// front and 20.5 mm from the retina, so 0.55 of the radiance inside.
+    #[test]
+    fn radiance_outside_is_what_the_exit_pupil_catches() {
+        let caught = (0.91_f64 * FUNDUS_DISTANCE_MM / 20.5).powi(2);
+        assert!(
+            (caught - 1.0 / (FUNDUS_INDEX * FUNDUS_INDEX)).abs() < 0.02,
+            "{caught}"
+        );
     }
 
     #[test]

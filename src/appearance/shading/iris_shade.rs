@@ -243,23 +243,27 @@ pub fn iris_ambient(maps: &IrisMaps, surface: &IrisSurface, sky: f64) -> DVec3 {
     arrives * iris_reflectance(maps, surface, -IRIS_SKY_COSINE, Scattered::All)
 }
 
-/// What shows through the pupil: nearly black, and what the lens sends back (`lens`) of the lamps' `light`.
+/// What shows through the pupil of the irradiance / π on it, `light`: next to nothing (photographs: 0 to 0.04 of white), and
+/// what the lens sends back (`lens`).
 pub fn pupil_radiance(light: DVec3, lens: DVec3) -> DVec3 {
-    DVec3::new(0.0016, 0.0013, 0.0012) + light * lens
+    light * (DVec3::new(0.0019, 0.0015, 0.0014) + lens)
 }
 
 /// Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven
 /// and softened over a pixel.
 pub fn pupil_edge(uv: DVec2, footprint: f64, width: f64) -> f64 {
-    let uneven = 0.006 * (uv.x * 81.6814).sin() + 0.005 * (uv.x * 37.6991 + 1.7).sin();
+    let uneven = 0.003 * (uv.x * 81.6814).sin() + 0.003 * (uv.x * 37.6991 + 1.7).sin();
     let soft = (0.75 * footprint / width).max(0.008);
     smoothstep(-soft, soft, uv.y - uneven)
 }
 
-/// Pupil, iris and, past the root, the dark angle behind the limbus, each by its share.
-pub fn iris_and_pupil(pupil: DVec3, iris: DVec3, edge: f64, v: f64) -> DVec3 {
+/// Reflectance of the dark angle behind the limbus (a choice).
+pub const IRIS_ANGLE_COLOR: DVec3 = DVec3::new(0.035, 0.033, 0.032);
+
+/// Pupil, iris and, past the root, the dark angle in this `light`, each by its share.
+pub fn iris_and_pupil(pupil: DVec3, iris: DVec3, light: DVec3, edge: f64, v: f64) -> DVec3 {
     let beyond = smoothstep(1.0, 1.12, v);
-    pupil.lerp(iris.lerp(DVec3::new(0.03, 0.028, 0.027), beyond), edge)
+    pupil.lerp(iris.lerp(IRIS_ANGLE_COLOR * light, beyond), edge)
 }
 
 #[cfg(test)]

@@ -31,19 +31,18 @@ pub fn limbus_width(sine: f64) -> f64 {
     0.97 + 0.48 * sine * sine
 }
 
-/// What lipid in the cornea's rim sends back, linear sRGB, where it covers all (a choice: photographs show it grey, a
-/// little yellow).
-pub const ARCUS_COLOR: DVec3 = DVec3::new(0.56, 0.55, 0.50);
+/// What lipid in the cornea's rim sends back, linear sRGB, where it covers all (a choice: photographs show it cream).
+pub const ARCUS_COLOR: DVec3 = DVec3::new(0.62, 0.58, 0.47);
 
 /// Share of a place of the cornea, `r` mm from the axis, that an arcus covers: a ring with a clear rim outside it,
 /// which comes first above and below; `lipid` 0 to 1.
 pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
     let inside = limbus_radius - r;
     let wide = 0.7 + 1.3 * lipid;
-    let ring = smoothstep(0.05, 0.45, inside) * smoothstep(wide + 0.35, 0.5 * wide, inside);
+    let ring = smoothstep(-0.05, 0.4, inside) * smoothstep(wide + 0.7, 0.35 * wide, inside);
     let first = smoothstep(0.0, 0.5, lipid);
-    let last = smoothstep(0.15, 0.75, lipid);
-    0.75 * ring * (last + (first - last) * sine * sine)
+    let last = 0.65 * smoothstep(0.15, 0.85, lipid);
+    0.85 * ring * (last + (first - last) * sine * sine)
 }
 
 #[cfg(test)]
@@ -56,6 +55,7 @@ mod tests {
         assert_eq!(at(0.7, 1.0, 0.0), 0.0);
         assert!(at(0.7, 1.0, 0.15) > 0.05 && at(0.7, 0.0, 0.15) == 0.0);
         // The lucid interval, the ring, the clear middle.
-        assert!(at(0.04, 1.0, 1.0) == 0.0 && at(0.8, 0.0, 1.0) > 0.7 && at(2.6, 0.0, 1.0) == 0.0);
+        assert!(at(-0.06, 1.0, 1.0) == 0.0 && at(0.04, 1.0, 1.0) < 0.2 * at(0.5, 1.0, 1.0));
+        assert!(at(0.6, 0.0, 1.0) > 0.5 && at(0.6, 1.0, 1.0) > 0.8 && at(2.8, 0.0, 1.0) == 0.0);
     }
 }
