@@ -97,6 +97,17 @@ fn pupil(picture: &RgbaImage) -> [u32; 2] {
         .expect("a place")
 }
 
+/// The middle of what is dark near the middle of the eye's picture: of the pupil.
+fn middle_of_the_dark(picture: &RgbaImage) -> [u32; 2] {
+    let near = || SIDE / 2 - 50..SIDE / 2 + 50;
+    let dark: Vec<[u32; 2]> = near()
+        .flat_map(|x| near().map(move |y| [x, y]))
+        .filter(|at| color_at(picture, *at, 0).iter().sum::<f64>() < 0.05)
+        .collect();
+    assert!(dark.len() > 1000, "a pupil of {} pixels", dark.len());
+    [0, 1].map(|axis| dark.iter().map(|at| at[axis]).sum::<u32>() / dark.len() as u32)
+}
+
 #[test]
 fn the_fundus_shines_through_a_clear_lens_and_clouds_stand_dark_before_it() {
     let _alone = alone();
@@ -106,9 +117,9 @@ fn the_fundus_shines_through_a_clear_lens_and_clouds_stand_dark_before_it() {
         picture
     };
     let by_window = shown("window", None);
-    let [x, y] = pupil(&by_window);
+    let [x, y] = middle_of_the_dark(&by_window);
     // Beside the lamp's own images.
-    let place = [x - 14, y + 14];
+    let place = [x - 12, y + 12];
     let of = |picture: &RgbaImage| color_at(picture, place, 3);
     let window = of(&by_window);
     let reflex = of(&shown("coaxial", None));

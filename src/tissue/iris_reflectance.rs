@@ -43,9 +43,9 @@ pub const BORDER_LAYER_MM: f64 = 0.04;
 /// loose mesh in aqueous humour; this and [`STROMA_MIE_DENSITY`] are calibrated so that
 /// [`IrisPigment::BLUE`], 0.45 mm thick, is as bright beside the white as photographs show light irises
 /// (their mean is sRGB 90 91 89 where the white has 202 186 169), and bluer than most of them.
-pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.14;
+pub const STROMA_RAYLEIGH_DENSITY: f64 = 0.18;
 /// Density of thick collagen bundles in the stroma relative to the skin of equation 14.
-pub const STROMA_MIE_DENSITY: f64 = 0.24;
+pub const STROMA_MIE_DENSITY: f64 = 0.16;
 /// Density of thin fibrils in the anterior border layer relative to that skin: it is made of cells, not of a mesh.
 pub const BORDER_LAYER_RAYLEIGH_DENSITY: f64 = 0.03;
 /// Density of collagen bundles in it: they give dark irises the matt brown that they have in place of black.
