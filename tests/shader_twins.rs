@@ -248,6 +248,7 @@ fn the_eyes_entry_files_bind_and_call() {
             "fragment",
             "fragment",
             "fragment",
+            "fundus_light",
             "head_from_eye",
             "inner_image",
             "iris_lamp_at",

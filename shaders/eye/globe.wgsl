@@ -117,8 +117,12 @@ fn mirror_eye() -> MirrorEye {
     return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.lens_front, globe.lens_back, globe.thickness_mm, globe.iris_depth_mm + globe.lens_forward_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
 }
 
-// Radiance that a surface within the eye mirrors, where it comes from within `open` mm of the pupil's middle; the lens's front has
-// the grain of its fibres, so its image is blurred (rad).
+// How far (rad) the inner surfaces spread what they mirror: the grain of a lens's fibres blurs the third image most (choices).
+const SECOND_IMAGE_BLUR: f32 = 0.012;
+const THIRD_IMAGE_BLUR: f32 = 0.06;
+const FOURTH_IMAGE_BLUR: f32 = 0.025;
+
+// Radiance that a surface within the eye mirrors, where it comes from within `open` mm of the pupil's middle.
 fn inner_image(image: LensMirrored, open: f32, blur: f32) -> vec3f {
     let comes = step(0.5, dot(image.direction, image.direction)) * step(distance(image.crossing, globe.pupil_center_mm), open) * step(length(image.exit.xy), globe.limbus_mm);
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
@@ -137,6 +141,20 @@ fn iris_lamp_at(i: i32, at: vec2f) -> Lamp {
     lamp = iris_near_lamp(light_table, reflectance_sampler, lamp, apex, vec3f(at, globe.iris_depth_mm), surface, globe.aqueous_index, globe.iris_root_mm, globe.limbus_mm);
 #endif
     return lamp;
+}
+
+// What a fundus of one sends back of the lamps through a place (mm) of the iris' plane, against a view ray of this direction.
+fn fundus_light(place: vec2f, direction: vec3f, shade: LidShade) -> vec3f {
+    // Lamps are seen from the middle of the entrance pupil, which stands about as deep as the iris.
+    let middle = vec3f(globe.pupil_center_mm, globe.iris_depth_mm - globe.apex_mm);
+    let off = (place - globe.pupil_center_mm) * globe.pupil_magnification;
+    var sum = vec3f(0.0);
+    for (var i = 0; i < LAMPS; i++) {
+        let lamp = lamp_at(i, head_from_eye() * middle);
+        let passes = lid_lamp(shade, lamp.direction, lamp.radius);
+        sum += lamp.color * (passes * fundus_reflex(lamp.direction * head_from_eye(), lamp.radius, lamp.hole, lamp.vergence, -direction, off, globe.focus, globe.pupil_radius_mm * globe.pupil_magnification));
+    }
+    return sum;
 }
 
 // What is seen through the cornea: iris and pupil, dimmed by the two interfaces.
@@ -162,8 +180,6 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let around = ambient(-head_from_eye()[2]) * before.sky;
     var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * around;
     var light = around;
-    var reflex = vec3f(0.0);
-    let off = (trace.point.xy - globe.pupil_center_mm) * globe.pupil_magnification;
     for (var i = 0; i < LAMPS; i++) {
         let lamp = iris_lamp_at(i, surface.at);
         let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, surface.at, globe.iris_root_mm, globe.limbus_mm);
@@ -177,12 +193,6 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #endif
         lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
         light += color * max(-lamp.direction.z, 0.0);
-        // Seen from the middle of the entrance pupil, which stands about as deep as the iris.
-        var own = illumination.lamps[i];
-        own.direction = own.direction * head_from_eye();
-        let seen = lamp_from(own, vec3f(globe.pupil_center_mm, globe.iris_depth_mm) + apex);
-        let passes = lid_lamp(before, head_from_eye() * seen.direction, seen.radius);
-        reflex += seen.color * passes * fundus_reflex(seen.direction, seen.radius, seen.hole, own.vergence * (seen.radius / max(own.radius, 1e-6)), -direction, off, globe.focus, globe.pupil_radius_mm * globe.pupil_magnification);
     }
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
@@ -193,19 +203,22 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     lens += lens_cloud(globe.nucleus, globe.capsule, globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
     crosses *= lens_clear(globe.capsule_radius_mm, globe.cortical_share, trace.point.xy, slope, globe.lens_turn);
 #endif
-    // The second Purkinje image, of the cornea's back, and the third and fourth, of the lens.
+    // The second Purkinje image, of the cornea's back; the third and fourth, of the lens, come through the pupil alone.
     let eye = mirror_eye();
     let entered = snell_refract(direction, conicoid_normal(trace.entry, eye.anterior.x, eye.anterior.y), 1.0 / eye.n_cornea);
-    let second = inner_image(mirror_cornea(trace.entry, entered.xyz, eye), 100.0, 0.012);
-    let third = inner_image(mirror_lens_front(trace.point, trace.direction, eye), globe.pupil_radius_mm, 0.06);
-    let fourth = inner_image(mirror_lens_back(trace.point, trace.direction, eye), globe.pupil_radius_mm, 0.025);
+    let second = inner_image(mirror_cornea(trace.entry, entered.xyz, eye), globe.limbus_mm, SECOND_IMAGE_BLUR);
     // Radiance spreads where it leaves the aqueous; what the lens sends back is as it is seen from outside.
     lit /= globe.aqueous_index * globe.aqueous_index;
 #ifdef ARTISTIC
     lit *= globe.look.iris_brightness;
 #endif
-    // The light has come in through the cornea too.
-    let behind = pupil_radiance(light, lens) + third + (reflex * globe.fundus * trace.transmittance + fourth) * crosses;
+    var behind = pupil_radiance(light, lens);
+    if edge < 1.0 {
+        // The fundus, before which the light has come in through the cornea too, and the lens's surfaces.
+        behind += fundus_light(trace.point.xy, direction, before) * globe.fundus * trace.transmittance * crosses;
+        behind += inner_image(mirror_lens_front(trace.point, trace.direction, eye), globe.pupil_radius_mm, THIRD_IMAGE_BLUR);
+        behind += crosses * inner_image(mirror_lens_back(trace.point, trace.direction, eye), globe.pupil_radius_mm, FOURTH_IMAGE_BLUR);
+    }
     let inside = iris_and_pupil(behind, lit, light, edge, place.uv.y);
     return (inside + second) * trace.transmittance;
 }

@@ -34,17 +34,24 @@ struct LensMirrored {
     share: f32,
 };
 
+// From a place in the cornea out of the eye.
+fn mirror_exit(back: vec3f, dir: vec3f, eye: MirrorEye, crossing: vec2f, share: f32) -> LensMirrored {
+    let t = conicoid_intersect(back, dir, eye.anterior.x, eye.anterior.y);
+    let front = back + t * dir;
+    let outside = snell_refract(dir, conicoid_normal(front, eye.anterior.x, eye.anterior.y), eye.n_cornea);
+    let leaves = t >= 0.0 && outside.w > 0.5 && outside.z < 0.0;
+    return LensMirrored(select(vec3f(0.0), outside.xyz, leaves), front, crossing, share);
+}
+
 // From a place before the lens out of the eye; what it crossed and by how much it is mirrored is handed on.
 fn mirror_leave(start: vec3f, dir: vec3f, eye: MirrorEye, crossing: vec2f, share: f32) -> LensMirrored {
     let back_apex = vec3f(0.0, 0.0, eye.thickness);
     let s = conicoid_intersect(start - back_apex, dir, eye.posterior.x, eye.posterior.y);
     let back = start + s * dir;
     let inside = snell_refract(dir, conicoid_normal(back - back_apex, eye.posterior.x, eye.posterior.y), eye.n_aqueous / eye.n_cornea);
-    let t = conicoid_intersect(back, inside.xyz, eye.anterior.x, eye.anterior.y);
-    let front = back + t * inside.xyz;
-    let outside = snell_refract(inside.xyz, conicoid_normal(front, eye.anterior.x, eye.anterior.y), eye.n_cornea);
-    let leaves = s >= 0.0 && t >= 0.0 && inside.w * outside.w > 0.5 && outside.z < 0.0;
-    return LensMirrored(select(vec3f(0.0), outside.xyz, leaves), front, crossing, share);
+    var image = mirror_exit(back, inside.xyz, eye, crossing, share);
+    image.direction = select(vec3f(0.0), image.direction, s >= 0.0 && inside.w > 0.5);
+    return image;
 }
 
 // Light mirrored by the back of the cornea (II) along a ray in it, from its entry.
@@ -53,13 +60,10 @@ fn mirror_cornea(entry: vec3f, dir: vec3f, eye: MirrorEye) -> LensMirrored {
     let s = conicoid_intersect(entry - back_apex, dir, eye.posterior.x, eye.posterior.y);
     let back = entry + s * dir;
     let normal = conicoid_normal(back - back_apex, eye.posterior.x, eye.posterior.y);
-    let away = reflect(dir, normal);
-    let t = conicoid_intersect(back, away, eye.anterior.x, eye.anterior.y);
-    let front = back + t * away;
-    let outside = snell_refract(away, conicoid_normal(front, eye.anterior.x, eye.anterior.y), eye.n_cornea);
-    let leaves = s >= 0.0 && t >= 0.0 && outside.w > 0.5 && outside.z < 0.0;
-    let direction = select(vec3f(0.0), outside.xyz, leaves);
-    return LensMirrored(direction, front, back.xy, fresnel_dielectric(abs(dot(dir, normal)), eye.n_cornea, eye.n_aqueous));
+    let share = fresnel_dielectric(abs(dot(dir, normal)), eye.n_cornea, eye.n_aqueous);
+    var image = mirror_exit(back, reflect(dir, normal), eye, back.xy, share);
+    image.direction = select(vec3f(0.0), image.direction, s >= 0.0);
+    return image;
 }
 
 // Light mirrored by the front of the lens (III) along a ray in the aqueous through `point`.

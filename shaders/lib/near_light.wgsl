@@ -41,8 +41,6 @@ fn iris_near_lamp(table: texture_2d<f32>, linear: sampler, own: Lamp, apex: vec3
         concentrated = arrives.w;
         lamp = lamp_from(own, apex + entry);
     }
-    // One over the way from the lamp to there.
-    let vergence = own.vergence * (lamp.radius / max(own.radius, 1e-6));
-    lamp.color *= near_concentration(concentrated, entry, point, light, surface, n, vergence);
+    lamp.color *= near_concentration(concentrated, entry, point, light, surface, n, lamp.vergence);
     return lamp;
 }

@@ -11,16 +11,17 @@ struct Lamp {
     // What it is mirrored as: a disc (0), a ring whose hole has this share of its radius (to 1), or nothing,
     // as it stands in the map of the surroundings (-1).
     hole: f32,
-    // One over its distance from the globe's centre (1/mm); 0 far away.
+    // One over its distance from where its direction is taken, the globe's centre (1/mm); 0 far away.
     vergence: f32,
 };
 
-// The lamp as it is from the place p (mm) of the frame of its direction: nearer to it, brighter and wider.
+// The lamp as it is from the place p (mm) of the frame of its direction: nearer to it, brighter and wider; its vergence is the one
+// there.
 fn lamp_from(lamp: Lamp, p: vec3<f32>) -> Lamp {
     let towards = lamp.direction - lamp.vergence * p;
     // Nothing comes nearer to a lamp than to a hundredth of its distance.
     let nearer = inverseSqrt(max(dot(towards, towards), 1e-4));
-    return Lamp(towards * nearer, lamp.radius * nearer, lamp.color * (nearer * nearer), lamp.hole, lamp.vergence);
+    return Lamp(towards * nearer, lamp.radius * nearer, lamp.color * (nearer * nearer), lamp.hole, lamp.vergence * nearer);
 }
 
 struct Illumination {

@@ -98,6 +98,35 @@ fn reflect(dir: DVec3, normal: DVec3) -> DVec3 {
     dir - 2.0 * dir.dot(normal) * normal
 }
 
+/// The same where `found`; elsewhere without a direction.
+fn only_if(found: bool, mut image: LensMirrored) -> LensMirrored {
+    if !found {
+        image.direction = DVec3::ZERO;
+    }
+    image
+}
+
+/// From a place in the cornea out of the eye.
+pub fn mirror_exit(
+    back: DVec3,
+    dir: DVec3,
+    eye: &MirrorEye,
+    crossing: DVec2,
+    share: f64,
+) -> LensMirrored {
+    let t = conicoid_intersect(back, dir, eye.anterior.x, eye.anterior.y);
+    let front = back + t * dir;
+    let normal = conicoid_normal(front, eye.anterior.x, eye.anterior.y);
+    let outside = snell_refract(dir, normal, eye.n_cornea);
+    let image = LensMirrored {
+        direction: outside.truncate(),
+        exit: front,
+        crossing,
+        share,
+    };
+    only_if(t >= 0.0 && outside.w > 0.5 && outside.z < 0.0, image)
+}
+
 /// From a place before the lens out of the eye; what it crossed and by how much it is mirrored is handed on.
 pub fn mirror_leave(
     start: DVec3,
@@ -107,51 +136,23 @@ pub fn mirror_leave(
     share: f64,
 ) -> LensMirrored {
     let back_apex = DVec3::new(0.0, 0.0, eye.thickness);
-    let (anterior, posterior) = (eye.anterior, eye.posterior);
-    let s = conicoid_intersect(start - back_apex, dir, posterior.x, posterior.y);
+    let s = conicoid_intersect(start - back_apex, dir, eye.posterior.x, eye.posterior.y);
     let back = start + s * dir;
-    let normal = conicoid_normal(back - back_apex, posterior.x, posterior.y);
+    let normal = conicoid_normal(back - back_apex, eye.posterior.x, eye.posterior.y);
     let inside = snell_refract(dir, normal, eye.n_aqueous / eye.n_cornea);
-    let t = conicoid_intersect(back, inside.truncate(), anterior.x, anterior.y);
-    let front = back + t * inside.truncate();
-    let normal = conicoid_normal(front, anterior.x, anterior.y);
-    let outside = snell_refract(inside.truncate(), normal, eye.n_cornea);
-    let leaves = s >= 0.0 && t >= 0.0 && inside.w * outside.w > 0.5 && outside.z < 0.0;
-    LensMirrored {
-        direction: if leaves {
-            outside.truncate()
-        } else {
-            DVec3::ZERO
-        },
-        exit: front,
-        crossing,
-        share,
-    }
+    let image = mirror_exit(back, inside.truncate(), eye, crossing, share);
+    only_if(s >= 0.0 && inside.w > 0.5, image)
 }
 
 /// Light mirrored by the back of the cornea (II) along a ray in it, from its `entry`.
 pub fn mirror_cornea(entry: DVec3, dir: DVec3, eye: &MirrorEye) -> LensMirrored {
     let back_apex = DVec3::new(0.0, 0.0, eye.thickness);
-    let (anterior, posterior) = (eye.anterior, eye.posterior);
-    let s = conicoid_intersect(entry - back_apex, dir, posterior.x, posterior.y);
+    let s = conicoid_intersect(entry - back_apex, dir, eye.posterior.x, eye.posterior.y);
     let back = entry + s * dir;
-    let normal = conicoid_normal(back - back_apex, posterior.x, posterior.y);
-    let away = reflect(dir, normal);
-    let t = conicoid_intersect(back, away, anterior.x, anterior.y);
-    let front = back + t * away;
-    let outer = conicoid_normal(front, anterior.x, anterior.y);
-    let outside = snell_refract(away, outer, eye.n_cornea);
-    let leaves = s >= 0.0 && t >= 0.0 && outside.w > 0.5 && outside.z < 0.0;
-    LensMirrored {
-        direction: if leaves {
-            outside.truncate()
-        } else {
-            DVec3::ZERO
-        },
-        exit: front,
-        crossing: back.truncate(),
-        share: fresnel_dielectric(dir.dot(normal).abs(), eye.n_cornea, eye.n_aqueous),
-    }
+    let normal = conicoid_normal(back - back_apex, eye.posterior.x, eye.posterior.y);
+    let share = fresnel_dielectric(dir.dot(normal).abs(), eye.n_cornea, eye.n_aqueous);
+    let image = mirror_exit(back, reflect(dir, normal), eye, back.truncate(), share);
+    only_if(s >= 0.0, image)
 }
 
 /// Light mirrored by the front of the lens (III) along a ray in the aqueous through `point`.
@@ -162,11 +163,8 @@ pub fn mirror_lens_front(point: DVec3, dir: DVec3, eye: &MirrorEye) -> LensMirro
     let hit = start + t * dir;
     let normal = conicoid_normal(hit - apex, eye.lens_front.x, eye.lens_front.y);
     let share = fresnel_dielectric(dir.dot(normal).abs(), eye.n_aqueous, LENS_EDGE_INDEX);
-    let mut image = mirror_leave(hit, reflect(dir, normal), eye, hit.truncate(), share);
-    if t < 0.0 {
-        image.direction = DVec3::ZERO;
-    }
-    image
+    let image = mirror_leave(hit, reflect(dir, normal), eye, hit.truncate(), share);
+    only_if(t >= 0.0, image)
 }
 
 /// Light mirrored by the back of the lens (IV) along a ray in the aqueous through `point`.
@@ -194,11 +192,9 @@ pub fn mirror_lens_back(point: DVec3, dir: DVec3, eye: &MirrorEye) -> LensMirror
         eye.n_lens / eye.n_aqueous,
     );
     let share = fresnel_dielectric(inside.dot(normal).abs(), LENS_EDGE_INDEX, eye.n_aqueous);
-    let mut image = mirror_leave(again, out.truncate(), eye, again.truncate(), share);
-    if !(t >= 0.0 && s >= 0.0 && u >= 0.0 && into.w * out.w > 0.5) {
-        image.direction = DVec3::ZERO;
-    }
-    image
+    let image = mirror_leave(again, out.truncate(), eye, again.truncate(), share);
+    let found = t >= 0.0 && s >= 0.0 && u >= 0.0 && into.w * out.w > 0.5;
+    only_if(found, image)
 }
 
 #[cfg(test)]

@@ -171,7 +171,7 @@ fn near_lamps() {
             library: &["surroundings"],
             call: &format!(
                 "var l = {}; l.vergence = x[8]; let m = lamp_from(l, vec3f(x[9], x[10], x[11])); \
-                 y[0] = m.direction.x; y[1] = m.direction.y; y[2] = m.direction.z; y[3] = m.radius; y[4] = m.color.x; y[5] = m.color.z;",
+                 y[0] = m.direction.x; y[1] = m.direction.y; y[2] = m.direction.z; y[3] = m.radius; y[4] = m.color.x; y[5] = m.color.z; y[6] = m.vergence;",
                 lamp_text(0)
             ),
             draw: &|rng| {
@@ -185,8 +185,10 @@ fn near_lamps() {
                     vergence: x[8] as f32,
                     ..lamp_of(x)
                 };
-                let (d, radius, share) = surroundings::lamp_from(&lamp, v3(&x[9..]));
-                vec![d.x, d.y, d.z, radius, x[4] * share, x[6] * share]
+                let (d, nearer) = surroundings::lamp_from(&lamp, v3(&x[9..]));
+                let share = nearer * nearer;
+                let [radius, vergence] = [x[3] * nearer, x[8] * nearer];
+                vec![d.x, d.y, d.z, radius, x[4] * share, x[6] * share, vergence]
             },
             // A dozen roundings of numbers up to 2.
             absolute: 1e-6,

@@ -65,10 +65,10 @@ pub fn iris_near_lamp(
         concentrated = arrives.w;
         lamp = lamp_from(own, apex + entry);
     }
-    // One over the way from the lamp to there.
-    let vergence = f64::from(own.vergence) * (lamp.1 / f64::from(own.radius).max(1e-6));
+    let (direction, nearer) = lamp;
+    let vergence = f64::from(own.vergence) * nearer;
     let near = near_concentration(concentrated, entry, point, light, surface, n, vergence);
-    (lamp.0, lamp.2 * near)
+    (direction, nearer * nearer * near)
 }
 
 #[cfg(test)]

@@ -49,16 +49,13 @@ pub fn round_lamp(d: DVec3, direction: DVec3, radius: f64, blur: f64) -> f64 {
 }
 
 /// The lamp as it is from the place `p` (mm) of the frame of its direction: nearer to it, brighter and wider.
-/// Its direction, its radius (rad), and by how much its colour is more.
-pub fn lamp_from(lamp: &Lamp, p: DVec3) -> (DVec3, f64, f64) {
+/// Its direction, and how many times as near it is: so many times are its radius and its vergence more, and its
+/// colour the square of that.
+pub fn lamp_from(lamp: &Lamp, p: DVec3) -> (DVec3, f64) {
     let towards = lamp.direction.as_dvec3() - f64::from(lamp.vergence) * p;
     // Nothing comes nearer to a lamp than to a hundredth of its distance.
     let nearer = 1.0 / towards.length_squared().max(1e-4).sqrt();
-    (
-        towards * nearer,
-        f64::from(lamp.radius) * nearer,
-        nearer * nearer,
-    )
+    (towards * nearer, nearer)
 }
 
 /// Radiance of a lamp by itself from the unit direction `d`.

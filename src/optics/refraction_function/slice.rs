@@ -5,8 +5,7 @@ use super::spline::{Order, lane_weights};
 use super::{LANES, LOWEST_W};
 use glam::{DVec2, Vec2};
 
-/// A refraction function for one light: its entry points by place alone, as a small table that a
-/// shader can carry.
+/// A refraction function for one light: its entry points by place alone, as a small table.
 #[derive(Clone, Debug)]
 pub struct RefractionSlice {
     pub(super) order: Order,
@@ -17,16 +16,6 @@ pub struct RefractionSlice {
 }
 
 impl RefractionSlice {
-    /// Coefficients across and along the light's azimuth.
-    pub fn grid(&self) -> [usize; 2] {
-        self.grid
-    }
-
-    /// Unit azimuth of the light.
-    pub fn along(&self) -> Vec2 {
-        self.along
-    }
-
     /// The coordinates' coefficients, see [`domain`].
     pub fn frame(&self) -> &[f32; FRAME] {
         &self.frame
