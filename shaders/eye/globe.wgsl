@@ -87,6 +87,9 @@ struct Globe {
     // What the fundus sends back, through the media.
     fundus: vec3<f32>,
     arcus: f32,
+    // What lamellae of the sclera send back and pass, see limbus_lamellae.
+    lamellae_reflect: array<vec4<f32>, 8>,
+    lamellae_pass: array<vec4<f32>, 8>,
     tissue: IrisTissue,
     look: Look,
 };
@@ -322,9 +325,11 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef CORNEA
     if corneal > 0.0 {
 #ifdef ARTISTIC
-        let ring = pow(limbus_tint(pow(corneal, globe.look.limbus_power)), vec3f(globe.look.limbus_dark));
+        let lies_over = 1.0 - pow(corneal, globe.look.limbus_power);
+        let dims = pow(limbus_through(globe.lamellae_pass, lies_over), vec3f(globe.look.limbus_dark));
 #else
-        let ring = limbus_tint(corneal);
+        let lies_over = 1.0 - corneal;
+        let dims = limbus_through(globe.lamellae_pass, lies_over);
 #endif
         var through = through_cornea(origin, direction, footprint, shade);
 #ifdef ARCUS
@@ -335,9 +340,10 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             let lamp = lamp_at(i, p_head);
             light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
         }
-        through = mix(through, ARCUS_COLOR * light, arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus));
+        let lipid = ARCUS_DENSEST * arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus);
+        through = through * limbus_through(globe.lamellae_pass, lipid) + limbus_lamellae(globe.lamellae_reflect, lipid) * light;
 #endif
-        diffuse = mix(diffuse, through, corneal) * ring;
+        diffuse = diffuse * limbus_white(globe.lamellae_reflect, lies_over) + through * dims;
     }
 #endif
 

@@ -74,26 +74,25 @@ fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: Ir
     return slope * (deepest - top);
 }
 
-// The relief's normal, by differences over `e` mm.
-fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, height: f32, e: f32, lod: f32) -> vec3f {
-    let hx = iris_texel(map, polar, iris, iris_step(place, vec2f(e, 0.0)), lod).height - height;
-    let hy = iris_texel(map, polar, iris, iris_step(place, vec2f(0.0, e)), lod).height - height;
-    let strength = iris.relief / e;
-    return normalize(vec3f(-hx * strength, -hy * strength, -1.0));
+// The relief's normal, from three heights on a circle `e` mm across.
+fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, e: f32, lod: f32) -> vec3f {
+    let r = 0.5 * e;
+    let upper = iris_texel(map, polar, iris, iris_step(place, vec2f(0.0, r)), lod).height;
+    let left = iris_texel(map, polar, iris, iris_step(place, vec2f(-0.8660254, -0.5) * r), lod).height;
+    let right = iris_texel(map, polar, iris, iris_step(place, vec2f(0.8660254, -0.5) * r), lod).height;
+    let slope = vec2f((right - left) / 1.7320508, (upper - 0.5 * (left + right)) / 1.5) * (iris.relief / r);
+    return normalize(vec3f(-slope, -1.0));
 }
 
-// Rise (mm) from one look for ridges to the next.
-const RIDGE_STEP_MM: f32 = 0.07;
-
-// How much tissue (mm) ridges put in the way of light that comes from the unit direction `towards` to a place of this
-// height: each of three looks stands for a step of the way.
-fn relief_ridge(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, height: f32, towards: vec3f, lod: f32) -> f32 {
+// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface, `under`
+// below its mean plane and the step `aside` from a place of it: where the light crossed the surface, by a secant and a step of
+// Newton's.
+fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, aside: vec2f, under: f32, depth: f32, towards: vec3f, lod: f32) -> f32 {
     let up = max(-towards.z, 0.25);
-    var blocked = 0.0;
-    for (var i = 1; i <= 3; i++) {
-        let rise = RIDGE_STEP_MM * f32(i);
-        let ridge = iris_texel(map, polar, iris, iris_step(place, towards.xy * (rise / up)), lod).height - height;
-        blocked += clamp((ridge - rise) / RIDGE_STEP_MM + 0.5, 0.0, 1.0);
-    }
-    return blocked * RIDGE_STEP_MM / up;
+    let deep = max(depth, 0.02);
+    let first = deep / up;
+    let there = under - deep + iris_texel(map, polar, iris, iris_step(place, aside + towards.xy * first), lod).height;
+    let second = first * clamp(deep / max(deep - there, 0.25 * deep), 0.3, 4.0);
+    let left = under - up * second + iris_texel(map, polar, iris, iris_step(place, aside + towards.xy * second), lod).height;
+    return max(second + left / up, 0.3 * first);
 }

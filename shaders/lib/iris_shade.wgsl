@@ -41,7 +41,8 @@ fn iris_path(thickness: f32, towards_z: f32, view_cosine: f32) -> f32 {
 }
 
 // Where a refracted ray meets the iris, what is there, how it is turned to the ray, and the same smoothed by as much as light
-// spreads; then what the ray passes: the depth (mm below the border layer) at which each segment begins and its length in tissue.
+// spreads; then what the ray passes: its path (mm) through the border layer, how far (mm) along it the middle of each segment of the
+// stroma is and how deep below the surface, the depth (mm below the border layer) at which the segment begins, and its length in tissue.
 struct IrisSurface {
     at: vec2f,
     place: IrisPlace,
@@ -51,6 +52,9 @@ struct IrisSurface {
     lod: f32,
     smooth_texel: IrisTexel,
     smooth_normal: vec3f,
+    border: f32,
+    alongs: vec3f,
+    depths: vec3f,
     begins: vec3f,
     lengths: vec3f,
 };
@@ -70,16 +74,21 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
     let moved = relief_march(map, polar, iris, start, direction, ceil(lod));
     let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
     let texel = iris_texel(map, polar, iris, place.uv, lod);
-    let normal = relief_normal(map, polar, iris, place, texel.height, max(footprint, 0.012), lod);
+    let normal = relief_normal(map, polar, iris, place, max(footprint, 0.012), lod);
     let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));
     let smooth_texel = iris_texel(map, polar, iris, place.uv, spread);
-    let smooth_normal = relief_normal(map, polar, iris, place, smooth_texel.height, max(footprint, IRIS_SPREAD_MM), spread);
+    let smooth_normal = relief_normal(map, polar, iris, place, max(footprint, IRIS_SPREAD_MM), spread);
 
     let down = max(direction.z, 0.35);
-    let first = BORDER_LAYER_MM * slanted(normal, -dot(normal, direction));
+    // By the normal, and as deep as it is there.
+    let level = BORDER_LAYER_MM * slanted(normal, -dot(normal, direction));
+    let reached = down * level + iris_texel(map, polar, iris, iris_step(place, direction.xy * level), lod).height - texel.height;
+    let first = level * clamp(BORDER_LAYER_MM / max(reached, 0.01), 0.5, 2.5);
     // A little further than to the back of what is there, as what lies behind may be thicker.
     let segment = max(1.3 * texel.thickness / down - first, 0.03) / f32(STROMA_SEGMENTS);
     let deep = segment * down;
+    var alongs = vec3f(0.0);
+    var depths = vec3f(0.0);
     var begins = vec3f(0.0);
     var lengths = vec3f(0.0);
     var open = 1.0;
@@ -89,12 +98,14 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
         let depth = down * along + there.height - texel.height;
         let below = depth - BORDER_LAYER_MM;
         let inside = min(clamp(below / deep + 0.5, 0.0, 1.0), clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0));
+        alongs[i] = along;
+        depths[i] = depth;
         begins[i] = max(below - 0.5 * deep, 0.0);
         lengths[i] = open * inside * segment;
         // Behind it lies the black epithelium.
         open *= clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0);
     }
-    return IrisSurface(point + moved, place, texel, normal, direction, lod, smooth_texel, smooth_normal, begins, lengths);
+    return IrisSurface(point + moved, place, texel, normal, direction, lod, smooth_texel, smooth_normal, first, alongs, depths, begins, lengths);
 }
 
 // Diffuse reflectance of tissue on the path of light that arrives with this z: of all light (`half` 0) or of what is scattered more
@@ -111,37 +122,44 @@ fn iris_covered(texel: IrisTexel) -> f32 {
     return smoothstep(0.03, 0.08, texel.thickness);
 }
 
+// How many mm of a lamp's light lie in the relief for each mm of depth of a segment's middle.
+fn iris_ways(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, surface: IrisSurface, towards: vec3f) -> vec3f {
+    var ways = vec3f(0.0);
+    for (var i = 0; i < STROMA_SEGMENTS; i++) {
+        let aside = surface.direction.xy * surface.alongs[i];
+        let under = max(surface.direction.z, 0.35) * surface.alongs[i] - surface.texel.height;
+        ways[i] = relief_way(map, polar, iris, surface.place, aside, under, surface.depths[i], towards, surface.lod) / max(surface.depths[i], 0.02);
+    }
+    return ways;
+}
+
 // Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction `towards`,
-// `ridge` mm of tissue being in its way.
-fn iris_scattered_once(tissue: IrisTissue, surface: IrisSurface, towards: vec3f, ridge: f32) -> vec3f {
-    let into = slanted(surface.normal, dot(surface.normal, towards));
-    let out = slanted(surface.normal, -dot(surface.normal, surface.direction));
+// by these ways (`iris_ways`).
+fn iris_scattered_once(tissue: IrisTissue, surface: IrisSurface, towards: vec3f, ways: vec3f) -> vec3f {
     let cosine = dot(towards, surface.direction);
     let rayleigh = vec3f(phase_rayleigh(cosine));
     let bundles = vec3f(mix(phase_henyey_greenstein(cosine, BUNDLE_COSINE), PHASE_ISOTROPIC, BUNDLE_SIDEWAYS));
     let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
-    // A ridge is covered where light enters and where it leaves.
-    let covers = 2.0 * BORDER_LAYER_MM * min(ridge / RIDGE_STEP_MM, 1.0);
-    let sum = layer_segment_scatter(border, tissue.border_scattering, BORDER_LAYER_MM * out, 0.0, BORDER_LAYER_MM * into);
+    let sum = layer_segment_scatter(border, tissue.border_scattering, surface.border, 0.0, BORDER_LAYER_MM * ways[0]);
     var scattered = sum * mix(bundles, rayleigh, tissue.border_fibrils);
-    let phase = mix(bundles, rayleigh, tissue.stroma_fibrils);
-    var passed = exp(-border * (BORDER_LAYER_MM * (into + out))) * phase;
+    var passed = exp(-border * surface.border) * mix(bundles, rayleigh, tissue.stroma_fibrils);
     for (var i = 0; i < STROMA_SEGMENTS; i++) {
         let begins = surface.begins[i];
         let length = surface.lengths[i];
         let ends = begins + length * max(surface.direction.z, 0.35);
-        scattered += passed * layer_segment_scatter(tissue.stroma, tissue.stroma_scattering, length, begins * into, ends * into);
+        let covered = exp(-border * (BORDER_LAYER_MM * ways[i]));
+        scattered += passed * covered * layer_segment_scatter(tissue.stroma, tissue.stroma_scattering, length, begins * ways[i], ends * ways[i]);
         passed *= exp(-tissue.stroma * length);
     }
-    return tissue.weights * (scattered * exp(-(tissue.stroma * ridge + border * covers)));
+    return tissue.weights * scattered;
 }
 
 // What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`).
 fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, arrives: vec4f) -> vec3f {
-    let ridge = relief_ridge(map, polar, iris, surface.place, surface.texel.height, arrives.xyz, surface.lod);
     // Across the beam, from the plane of the iris.
     let across = arrives.w / max(-arrives.z, 0.2);
-    let once = iris_scattered_once(tissue, surface, arrives.xyz, ridge) * (3.14159265 * across);
+    let ways = iris_ways(map, polar, iris, surface, arrives.xyz);
+    let once = iris_scattered_once(tissue, surface, arrives.xyz, ways) * (3.14159265 * across);
     let spread = across * max(dot(surface.smooth_normal, arrives.xyz), 0.0);
     let again = spread * iris_reflectance(reflectance_map, linear, surface, arrives.z, 1.0);
     return (max(once, vec3f(0.0)) + again) * iris_covered(surface.texel);

@@ -10,10 +10,24 @@ fn limbus_normal(globe: vec3f, cornea: vec3f, share: f32) -> vec3f {
     return normalize(mix(globe, cornea, smoothstep(0.0, 0.35, share)));
 }
 
-// Tint of the blue-grey ring where the sclera thins over the dark angle.
-fn limbus_tint(share: f32) -> vec3f {
-    let ring = share * (1.0 - share) * 4.0;
-    return mix(vec3f(1.0), vec3f(0.62, 0.66, 0.72), ring * 0.75);
+// What lamellae do where this share of their thickness lies over the cornea; `table` has it at the squares of even steps.
+fn limbus_lamellae(table: array<vec4<f32>, 8>, share: f32) -> vec3f {
+    var values = table;
+    let place = sqrt(clamp(share, 0.0, 1.0)) * 7.0;
+    let below = min(i32(place), 6);
+    return mix(values[below].rgb, values[below + 1].rgb, place - f32(below));
+}
+
+// How much of the white's colour is seen there: all of it where all of the sclera is.
+fn limbus_white(reflects: array<vec4<f32>, 8>, share: f32) -> vec3f {
+    return limbus_lamellae(reflects, share) / max(reflects[7].rgb, vec3f(1e-3));
+}
+
+// How much of what lies behind the cornea: lit and seen through the lamellae, and nothing of it where all of the sclera is.
+fn limbus_through(passes: array<vec4<f32>, 8>, share: f32) -> vec3f {
+    let last = passes[7].rgb;
+    let kept = (limbus_lamellae(passes, share) - last) / max(vec3f(1.0) - last, vec3f(1e-3));
+    return kept * kept;
 }
 
 // How far from the axis a place counts as being where the transition is `width` mm wide and not 0.9.
@@ -24,18 +38,18 @@ fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
 // Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against 0.9 mm: above and
 // below the sclera goes further over the cornea.
 fn limbus_width(sine: f32) -> f32 {
-    return 0.97 + 0.48 * sine * sine;
+    return 0.87 + 0.48 * sine * sine;
 }
 
-// What lipid in the cornea's rim sends back, linear sRGB, where it covers all.
-const ARCUS_COLOR = vec3<f32>(0.62, 0.58, 0.47);
+// What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do.
+const ARCUS_DENSEST: f32 = 0.3;
 
-// Share of a place of the cornea, `r` from the axis, that an arcus covers: a ring with a clear rim outside it, which comes first
-// above and below; `lipid` 0 to 1.
+// Density of the lipid of an arcus at a place of the cornea, `r` from the axis: a ring with a clear rim outside it, which comes
+// first above and below; `lipid` 0 to 1.
 fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32) -> f32 {
     let inside = limbus_radius - r;
     let wide = 0.7 + 1.3 * lipid;
     let ring = smoothstep(-0.05, 0.4, inside) * smoothstep(wide + 0.7, 0.35 * wide, inside);
     let there = mix(0.65 * smoothstep(0.15, 0.85, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);
-    return 0.85 * ring * there;
+    return ring * there;
 }

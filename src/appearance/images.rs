@@ -30,7 +30,8 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
     );
     image.data = Some(data);
     image.texture_descriptor.mip_level_count = levels.len().max(1) as u32;
-    image.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
+    image.texture_descriptor.usage =
+        TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
         address_mode_u: if wrap {
             ImageAddressMode::Repeat

@@ -10,6 +10,7 @@ use super::light_table::SKY_RADII;
 use super::look_uniform::LookUniform;
 use crate::frame::shaders;
 use crate::tissue::iris_reflectance::IrisTissue;
+use crate::tissue::sclera::LAMELLAE;
 use bevy::asset::{Asset, Handle};
 use bevy::image::Image;
 use bevy::math::{Mat3, Mat4, Vec2, Vec3, Vec4};
@@ -126,6 +127,10 @@ pub struct GlobeUniform {
     pub fundus: Vec3,
     /// Lipid in the rim of the cornea, 0 to 1.
     pub arcus: f32,
+    /// What lamellae of the sclera send back, by [`crate::tissue::sclera::lamellae`], linear sRGB.
+    pub lamellae_reflect: [Vec4; LAMELLAE],
+    /// What they pass.
+    pub lamellae_pass: [Vec4; LAMELLAE],
     /// What the iris is made of.
     pub tissue: IrisTissueUniform,
     /// What an artist has changed.

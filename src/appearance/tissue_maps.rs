@@ -13,7 +13,9 @@ use crate::optics::fresnel::diffuse_surface;
 use crate::optics::globe::GlobeShape;
 use crate::tissue::fundus::fundus_color;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable, IrisTissue};
-use crate::tissue::sclera::{SCLERA_INDEX, ScleralTissue, returned_above, sclera_reflectance};
+use crate::tissue::sclera::{
+    LAMELLAE, SCLERA_INDEX, ScleralTissue, lamellae, returned_above, sclera_reflectance,
+};
 use bevy::image::Image;
 use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
@@ -177,10 +179,20 @@ pub(super) fn reflectance_image(iris: &Iris) -> Image {
         false,
     )
 }
+/// What the lamellae of a sclera that end over the cornea send back and pass.
+fn lamellae_of(sclera: &Sclera) -> [[Vec4; LAMELLAE]; 2] {
+    let tissue = ScleralTissue {
+        bilirubin_mg_dl: sclera.bilirubin_mg_dl,
+        ..ScleralTissue::default()
+    };
+    let knots = lamellae(&tissue, diffuse_surface(SCLERA_INDEX));
+    [0, 1].map(|which| knots.map(|knot| color(knot[which]).extend(1.0)))
+}
 pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> GlobeUniform {
     let Anatomy {
         eye, cornea, iris, ..
     } = anatomy;
+    let [lamellae_reflect, lamellae_pass] = lamellae_of(anatomy.sclera);
     GlobeUniform {
         lids: LidHeights::default(),
         head_from_eye: Mat4::IDENTITY,
@@ -206,6 +218,8 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
             core::array::from_fn(|i| Vec4::from_slice(&sky[4 * i..]))
         },
         tissue: (&IrisTissue::new(&map_pigment(iris))).into(),
+        lamellae_reflect,
+        lamellae_pass,
         arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,
         pupil_magnification: cornea.pupil_magnification(iris.depth_mm) as f32,
         fundus: fundus(),

@@ -1,9 +1,9 @@
 //! The app without a window: the same plugins, a clock that is set, panels that are read back.
 
 use crate::OculariumPlugins;
+use crate::appearance::images::MapView;
 use crate::appearance::{EyeOrbit, EyeQuality};
 use crate::frame::ledger::{Work, WorkLedger};
-use crate::frame::picture::from_padded_rows;
 use crate::frame::readiness::Readiness;
 use crate::frame::{Drive, Panel, SimulationClock, device_settings};
 use crate::motion::GazeController;
@@ -17,13 +17,14 @@ use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
     BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, Texture,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
 };
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
 use bevy::render::{RenderApp, RenderPlugin};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
+use half::f16;
 use image::RgbaImage;
 use std::time::{Duration, Instant};
 
@@ -391,20 +392,38 @@ impl Headless {
     /// # Errors
     /// Where the device does not hand it over.
     pub fn texture(&self, texture: &Texture, size: Extent3d) -> Result<RgbaImage, HeadlessError> {
+        let bytes = self.texture_bytes(texture, 0, [size.width, size.height], 4)?;
+        RgbaImage::from_raw(size.width, size.height, bytes).ok_or_else(no_picture)
+    }
+
+    /// What a level of a texture of the device holds, row by row: `texel` bytes to each of its width times height.
+    ///
+    /// # Errors
+    /// Where the device does not hand it over.
+    pub fn texture_bytes(
+        &self,
+        texture: &Texture,
+        level: u32,
+        [width, height]: [u32; 2],
+        texel: u32,
+    ) -> Result<Vec<u8>, HeadlessError> {
         let render_world = self.app.sub_app(RenderApp).world();
         let device = render_world.resource::<RenderDevice>();
         let queue = render_world.resource::<RenderQueue>();
-        let row = size.width as usize * 4;
+        let row = (width * texel) as usize;
         let padded = RenderDevice::align_copy_bytes_per_row(row);
         let buffer = device.create_buffer(&BufferDescriptor {
             label: Some("panel"),
-            size: padded as u64 * u64::from(size.height),
+            size: padded as u64 * u64::from(height),
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
+            TexelCopyTextureInfo {
+                mip_level: level,
+                ..texture.as_image_copy()
+            },
             TexelCopyBufferInfo {
                 buffer: &buffer,
                 layout: TexelCopyBufferLayout {
@@ -413,7 +432,11 @@ impl Headless {
                     rows_per_image: None,
                 },
             },
-            size,
+            Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
         );
         queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
@@ -427,7 +450,32 @@ impl Headless {
             .map_err(|error| HeadlessError::ReadBack(error.to_string()))?
             .map_err(|error| HeadlessError::ReadBack(error.to_string()))?;
         let mapped = buffer.slice(..).get_mapped_range();
-        from_padded_rows(size.width, size.height, padded, &mapped)
-            .ok_or_else(|| HeadlessError::ReadBack("its size is not that of the panel".into()))
+        let rows = mapped.chunks_exact(padded);
+        Ok(rows.flat_map(|line| &line[..row]).copied().collect())
+    }
+
+    /// An image of half floats of the device, read as its shaders read it ([`crate::appearance::images::map_image`]).
+    ///
+    /// # Errors
+    /// Where the device does not have it or hand it over.
+    pub fn map(&self, image: &Handle<Image>, wrap: bool) -> Result<MapView, HeadlessError> {
+        let render_world = self.app.sub_app(RenderApp).world();
+        let images = render_world.resource::<RenderAssets<GpuImage>>();
+        let image = images.get(image).ok_or_else(no_picture)?;
+        let descriptor = &image.texture_descriptor;
+        let levels = (0..descriptor.mip_level_count).map(|level| {
+            let side = |texels: u32| (texels >> level).max(1);
+            let size = [side(descriptor.size.width), side(descriptor.size.height)];
+            let bytes = self.texture_bytes(&image.texture, level, size, 8)?;
+            let texels = bytes.chunks_exact(8).map(|texel| {
+                core::array::from_fn(|i| {
+                    f16::from_le_bytes([texel[2 * i], texel[2 * i + 1]]).to_f32()
+                })
+            });
+            let texels = texels.collect();
+            Ok((size[0], size[1], texels))
+        });
+        let levels = levels.collect::<Result<Vec<_>, HeadlessError>>()?;
+        Ok(MapView::new(&levels, wrap))
     }
 }

@@ -13,6 +13,8 @@ pub mod frame_folder;
 pub mod headless;
 pub mod image_difference;
 #[cfg(feature = "app")]
+pub mod iris_picture;
+#[cfg(feature = "app")]
 pub mod irradiance;
 #[cfg(feature = "app")]
 pub mod looks;

@@ -157,6 +157,11 @@ impl<const N: usize> LayerFlux<N> {
         self.reflectance.clamp(0.0, 1.0)
     }
 
+    /// Diffuse transmittance of the layer alone.
+    pub(super) fn transmittance(&self) -> f64 {
+        self.leaving.iter().sum::<f64>().clamp(0.0, 1.0)
+    }
+
     /// Diffuse transmittance of this layer over `below`.
     pub(super) fn transmittance_over(&self, below: &Self) -> f64 {
         // Down between the two: (1 − r R)⁻¹ t 1; what of it leaves behind as flux, by the symmetry of a

@@ -177,6 +177,31 @@ pub fn returned_above(tissue: &ScleralTissue, depth_mm: f64, surface: [f64; 2]) 
     core::array::from_fn(|c| (above[c] / whole[c].max(1e-6)).clamp(0.0, 1.0))
 }
 
+/// Knots of [`lamellae`].
+pub const LAMELLAE: usize = 8;
+
+/// Lamellae of the sclera over nothing that sends light back, as they end over the clear cornea and the chamber behind it: at
+/// [`LAMELLAE`] thicknesses, of which `tissue` has the last and the others the squares of even steps, what they send back of diffuse
+/// light through the wet surface, and what they pass of it, linear sRGB. The covering and its blood end before them.
+pub fn lamellae(tissue: &ScleralTissue, surface: [f64; 2]) -> [[[f64; 3]; 2]; LAMELLAE] {
+    core::array::from_fn(|knot| {
+        let share = knot as f64 / (LAMELLAE - 1) as f64;
+        let thin = ScleralTissue {
+            sclera_mm: bounded(tissue.sclera_mm, 2.0) * share * share,
+            ..*tissue
+        };
+        let layers: [LayerFlux<NODES>; SAMPLES] = core::array::from_fn(|i| sclera_layer(i, &thin));
+        let color = |of: &dyn Fn(&LayerFlux<NODES>) -> f64| {
+            let spectrum: Spectrum = core::array::from_fn(|i| of(&layers[i]));
+            spectrum_to_linear_srgb(&spectrum).map(|channel| channel.clamp(0.0, 1.0))
+        };
+        [
+            color(&|layer| through_surface(layer.reflectance(), surface)),
+            color(&|layer| layer.transmittance()),
+        ]
+    })
+}
+
 /// Knots of a [`ScleraTable`]: thickness of the sclera, mm.
 const THICKNESSES: [f64; 7] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8];
 /// Share of blood: squares of even steps, to 0.09.
@@ -290,6 +315,29 @@ mod tests {
             let passed = entering * (1.0 - b) * back;
             assert!((passed / measured - 1.0).abs() < 0.1, "{nm}: {passed}");
         }
+    }
+
+    #[test]
+    fn thin_lamellae_are_a_bluish_haze_and_thick_ones_the_white() {
+        let tissue = ScleralTissue::default();
+        let knots = lamellae(&tissue, surface());
+        // Nothing is clear, and loses what the 41 wavelengths' weights miss of one.
+        assert_eq!(knots[0][0], [0.0; 3]);
+        assert!(knots[0][1].iter().all(|passed| *passed > 0.999));
+        for pair in knots.windows(2) {
+            assert!((0..3).all(|c| pair[1][0][c] > pair[0][0][c] && pair[1][1][c] < pair[0][1][c]));
+        }
+        // What is thin scatters blue before red, what is thick both.
+        let blueness = |[reflected, _]: &[[f64; 3]; 2]| reflected[2] / reflected[0];
+        assert!(blueness(&knots[1]) > 1.3 && blueness(&knots[LAMELLAE - 1]) < 1.0);
+        // A hundredth of the thickness: one scattering, half of it back.
+        let [reflected, _] = knots[1];
+        let depth = sclera_scattering(550.0) * tissue.sclera_mm / 49.0;
+        let once = surface()[0] * (1.0 - surface()[1]) * depth;
+        assert!(
+            (0.5..1.0).contains(&(reflected[1] / once)),
+            "{reflected:?} {once}"
+        );
     }
 
     #[test]

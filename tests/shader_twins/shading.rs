@@ -303,7 +303,9 @@ fn the_limbus() {
         &Twin {
             name: "limbus_share",
             library: &["limbus"],
-            call: "y[0] = limbus_share(x[0], x[1]); let c = limbus_tint(y[0]); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
+            call: "y[0] = limbus_share(x[0], x[1]); \
+                   var table = array<vec4<f32>, 8>(); for (var i = 0; i < 8; i++) { let t = 0.1 + 0.1 * f32(i); table[i] = vec4f(t, t * t, 1.0 - t, 1.0); } \
+                   let c = limbus_through(table, x[8]) + 0.25 * limbus_white(table, x[8]); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
                    let n = limbus_normal(vec3f(x[2], x[3], x[4]), vec3f(x[5], x[6], x[7]), y[0]); \
                    y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8]); y[8] = limbus_width(x[2]);",
             draw: &|rng| {
@@ -329,7 +331,12 @@ fn the_limbus() {
                 let share = limbus::limbus_share(x[0], x[1]);
                 let normal = limbus::limbus_normal(v3(&x[2..]), v3(&x[5..]), share);
                 let mut out = vec![share];
-                out.extend(rgb(limbus::limbus_tint(share)));
+                let table = core::array::from_fn(|i| {
+                    let t = 0.1 + 0.1 * i as f64;
+                    DVec4::new(t, t * t, 1.0 - t, 1.0)
+                });
+                let through = limbus::limbus_through(&table, x[8]);
+                out.extend(rgb(through + 0.25 * limbus::limbus_white(&table, x[8])));
                 out.extend(rgb(normal));
                 out.push(limbus::arcus_share(x[0], x[2], x[1], x[8]));
                 out.push(limbus::limbus_width(x[2]));

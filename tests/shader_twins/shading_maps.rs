@@ -278,8 +278,8 @@ fn the_relief_of_the_iris() {
                 "{IRIS} let q = iris_place(p, iris); let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[11], x[12], x[13]); \
                  let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15]); y[0] = m.x; y[1] = m.y; \
                  let t = iris_texel(iris_map, iris_map_sampler, iris, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
-                 let n = relief_normal(iris_map, iris_map_sampler, iris, q, t.height, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
-                 y[8] = relief_ridge(iris_map, iris_map_sampler, iris, q, t.height, l, x[15]); \
+                 let n = relief_normal(iris_map, iris_map_sampler, iris, q, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
+                 y[8] = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.xy, 0.2 * d.z - t.height, 0.2 * d.z, l, x[15]); \
                  y[9] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
             ),
             draw: &draw_march,
@@ -289,15 +289,16 @@ fn the_relief_of_the_iris() {
                 let q = iris_relief::iris_place(p, &iris);
                 let moved = iris_relief::relief_march(&view, &iris, &q, d, lod);
                 let t = iris_relief::iris_texel(&view, &iris, q.uv, lod);
-                let n =
-                    iris_relief::relief_normal(&view, &iris, &q, t.height, x[14].max(0.012), lod);
-                let ridge = iris_relief::relief_ridge(&view, &iris, &q, t.height, l, lod);
+                let n = iris_relief::relief_normal(&view, &iris, &q, x[14].max(0.012), lod);
+                let (aside, deep) = (0.2 * d.truncate(), 0.2 * d.z);
+                let under = deep - t.height;
+                let way = iris_relief::relief_way(&view, &iris, &q, aside, under, deep, l, lod);
                 let level = iris_relief::iris_level(view.size(), x[14], p.length(), iris.width());
                 [
                     &moved.to_array()[..],
                     &[t.height, t.thickness, t.melanin],
                     &n.to_array(),
-                    &[ridge, level],
+                    &[way, level],
                 ]
                 .concat()
             },
@@ -387,7 +388,7 @@ fn the_light_of_the_iris() {
                     iris_shade::iris_ambient(&views, &surface, iris_sky(&sky, p.length(), x[0]));
                 [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()
             },
-            // A place is good to 6e-8 of 256 texels; a ridge 0.1 mm high within one makes 2e-6 mm of each
+            // A place is good to 6e-8 of 256 texels; a way 0.1 mm high within one makes 2e-6 mm of each
             // of two readings, the normal's step of 0.012 mm 3e-4 of a slope, light up to 2 twice that.
             absolute: 6e-4,
             relative: 0.0,

@@ -119,6 +119,12 @@ export async function published(page, count) {
     });
 }
 
+/** Lets time stand still, or go on. */
+export async function setPaused(page, wanted) {
+  if ((await readState(page)).paused !== wanted) await page.keyboard.press("Space");
+  assert(await until(MOTION_LIMIT_S, async () => (await readState(page)).paused === wanted), `paused is not ${wanted}`);
+}
+
 /** A picture of the page, for which Chromium waits for a few of its frames: at 4K a software rasteriser is slow. */
 export async function screenshot(page, name) {
   const bytes = await page.screenshot({ timeout: 1000 * READY_LIMIT_S });

@@ -258,12 +258,14 @@ pub(super) struct MeasureArgs {
 pub(super) enum Measured {
     Table(MeasureTable),
     Looks,
+    IrisPicture,
 }
 
 impl ValueEnum for Measured {
     fn value_variants<'a>() -> &'a [Self] {
-        const ALL: [Measured; MeasureTable::ALL.len() + 1] = {
-            let mut all = [Measured::Looks; MeasureTable::ALL.len() + 1];
+        const ALL: [Measured; MeasureTable::ALL.len() + 2] = {
+            let mut all = [Measured::Looks; MeasureTable::ALL.len() + 2];
+            all[MeasureTable::ALL.len()] = Measured::IrisPicture;
             let mut i = 0;
             while i < MeasureTable::ALL.len() {
                 all[i] = Measured::Table(MeasureTable::ALL[i]);
@@ -278,6 +280,9 @@ impl ValueEnum for Measured {
         Some(match self {
             Self::Table(table) => PossibleValue::new(table.name()).help(table.description()),
             Self::Looks => PossibleValue::new("looks").help(crate::lab::looks::MEANING),
+            Self::IrisPicture => {
+                PossibleValue::new("iris-picture").help(crate::lab::iris_picture::MEANING)
+            }
         })
     }
 }

@@ -3,6 +3,7 @@
 use super::arguments::{MeasureArgs, Measured};
 use super::sentences::{inform, say};
 use crate::anatomy::Laterality;
+use crate::lab::iris_picture::iris_pictures;
 use crate::lab::looks::looks;
 use crate::lab::measure::{MeasuredEye, measure};
 use crate::output_file::{WriteError, prepare_folder, write_whole};
@@ -16,6 +17,10 @@ pub(super) fn measure_command(arguments: &MeasureArgs) -> Result<(), Box<dyn Err
         Ok(match arguments.table {
             Measured::Table(table) => (table.name(), measure(table, &measured_eye(&patient))?),
             Measured::Looks => ("looks", serde_json::to_string_pretty(&looks(&patient)?)?),
+            Measured::IrisPicture => {
+                let pictures = iris_pictures(&patient)?;
+                ("iris-picture", serde_json::to_string_pretty(&pictures)?)
+            }
         })
     };
     let Some(file) = &arguments.out else {

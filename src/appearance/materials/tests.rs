@@ -137,6 +137,8 @@ fn every_number_is_where_its_shader_reads_it() {
         focus = Vec3::splat(9.0),
         fundus = Vec3::splat(9.0),
         arcus = 9.0,
+        lamellae_reflect = [Vec4::splat(9.0); LAMELLAE],
+        lamellae_pass = [Vec4::splat(9.0); LAMELLAE],
         tissue = IrisTissueUniform {
             border: Vec3::splat(9.0),
             ..IrisTissueUniform::default()

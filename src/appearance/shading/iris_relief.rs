@@ -125,39 +125,55 @@ pub fn relief_march(
     slope * (deepest - top)
 }
 
-/// The relief's normal, by differences over `e` mm.
+/// The relief's normal, from three heights on a circle `e` mm across.
 pub fn relief_normal(
     map: &MapView,
     iris: &IrisFrame,
     place: &IrisPlace,
-    height: f64,
     e: f64,
     lod: f64,
 ) -> DVec3 {
-    let rise = |step: DVec2| iris_texel(map, iris, iris_step(place, step), lod).height - height;
-    let slope = DVec2::new(rise(DVec2::new(e, 0.0)), rise(DVec2::new(0.0, e))) * (iris.relief / e);
+    let r = 0.5 * e;
+    let height = |x: f64, y: f64| {
+        let step = DVec2::new(x, y) * r;
+        iris_texel(map, iris, iris_step(place, step), lod).height
+    };
+    let half_root = 0.75_f64.sqrt();
+    let (upper, left, right) = (
+        height(0.0, 1.0),
+        height(-half_root, -0.5),
+        height(half_root, -0.5),
+    );
+    let slope = DVec2::new(
+        (right - left) / (2.0 * half_root),
+        (upper - 0.5 * (left + right)) / 1.5,
+    ) * (iris.relief / r);
     (-slope).extend(-1.0).normalize()
 }
 
-/// Rise (mm) from one look for ridges to the next.
-pub const RIDGE_STEP_MM: f64 = 0.07;
-
-/// How much tissue (mm) ridges put in the way of light that comes from the unit direction `towards` to a
-/// place of this height: each of three looks stands for a step of the way.
-pub fn relief_ridge(
+/// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface,
+/// `under` mm below its mean plane and the step `aside` (mm) from a place of it: where the light crossed the surface, by a
+/// secant and a step of Newton's.
+#[expect(clippy::too_many_arguments, reason = "the shader twin's argument list")]
+pub fn relief_way(
     map: &MapView,
     iris: &IrisFrame,
     place: &IrisPlace,
-    height: f64,
+    aside: DVec2,
+    under: f64,
+    depth: f64,
     towards: DVec3,
     lod: f64,
 ) -> f64 {
     let up = (-towards.z).max(0.25);
-    let blocked = |i: u32| {
-        let rise = RIDGE_STEP_MM * f64::from(i);
-        let step = iris_step(place, towards.truncate() * (rise / up));
-        let ridge = iris_texel(map, iris, step, lod).height - height;
-        ((ridge - rise) / RIDGE_STEP_MM + 0.5).clamp(0.0, 1.0)
+    let deep = depth.max(0.02);
+    let height = |way: f64| {
+        let step = aside + towards.truncate() * way;
+        iris_texel(map, iris, iris_step(place, step), lod).height
     };
-    (blocked(1) + blocked(2) + blocked(3)) * RIDGE_STEP_MM / up
+    let first = deep / up;
+    let there = under - deep + height(first);
+    let second = first * (deep / (deep - there).max(0.25 * deep)).clamp(0.3, 4.0);
+    let left = under - up * second + height(second);
+    (second + left / up).max(0.3 * first)
 }

@@ -6,8 +6,8 @@
 //! Eye frame, mm. Twin: `shaders/lib/iris_shade.wgsl`.
 
 use super::iris_relief::{
-    IrisFrame, IrisPlace, IrisTexel, RIDGE_STEP_MM, iris_level, iris_step, iris_texel,
-    iris_texel_mm, relief_march, relief_normal, relief_ridge,
+    IrisFrame, IrisPlace, IrisTexel, iris_level, iris_step, iris_texel, iris_texel_mm,
+    relief_march, relief_normal, relief_way,
 };
 use super::mix;
 use crate::appearance::images::MapView;
@@ -63,6 +63,12 @@ pub struct IrisSurface {
     pub smooth_texel: IrisTexel,
     /// Normal of that relief.
     pub smooth_normal: DVec3,
+    /// Path through the border layer, mm.
+    pub border: f64,
+    /// How far along the ray the middle of each segment of the stroma is, mm.
+    pub alongs: [f64; STROMA_SEGMENTS],
+    /// How deep that is below the surface, mm.
+    pub depths: [f64; STROMA_SEGMENTS],
     /// Depth below the border layer at which each segment of the ray begins, mm.
     pub begins: [f64; STROMA_SEGMENTS],
     /// Its length in tissue, mm.
@@ -94,18 +100,23 @@ pub fn iris_surface(
         ..*start
     };
     let texel = iris_texel(map, iris, place.uv, lod);
-    let normal = relief_normal(map, iris, &place, texel.height, footprint.max(0.012), lod);
+    let normal = relief_normal(map, iris, &place, footprint.max(0.012), lod);
     let finest = iris_texel_mm(map.size().y, 0.0, iris);
     let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
     let smooth_texel = iris_texel(map, iris, place.uv, spread);
     let over = footprint.max(IRIS_SPREAD_MM);
-    let smooth_normal = relief_normal(map, iris, &place, smooth_texel.height, over, spread);
+    let smooth_normal = relief_normal(map, iris, &place, over, spread);
 
     let down = direction.z.max(0.35);
-    let first = BORDER_LAYER_MM * slanted(normal, -normal.dot(direction));
+    // By the normal, and as deep as it is there.
+    let level = BORDER_LAYER_MM * slanted(normal, -normal.dot(direction));
+    let step = iris_step(&place, direction.truncate() * level);
+    let reached = down * level + iris_texel(map, iris, step, lod).height - texel.height;
+    let first = level * (BORDER_LAYER_MM / reached.max(0.01)).clamp(0.5, 2.5);
     // A little further than to the back of what is there, as what lies behind may be thicker.
     let segment = (1.3 * texel.thickness / down - first).max(0.03) / STROMA_SEGMENTS as f64;
     let deep = segment * down;
+    let (mut alongs, mut depths) = ([0.0; STROMA_SEGMENTS], [0.0; STROMA_SEGMENTS]);
     let (mut begins, mut lengths) = ([0.0; STROMA_SEGMENTS], [0.0; STROMA_SEGMENTS]);
     let mut open = 1.0;
     for i in 0..STROMA_SEGMENTS {
@@ -116,6 +127,7 @@ pub fn iris_surface(
         let below = depth - BORDER_LAYER_MM;
         let before_back = ((there.thickness - depth) / deep + 0.5).clamp(0.0, 1.0);
         let inside = (below / deep + 0.5).clamp(0.0, 1.0).min(before_back);
+        (alongs[i], depths[i]) = (along, depth);
         begins[i] = (below - 0.5 * deep).max(0.0);
         lengths[i] = open * inside * segment;
         // Behind it lies the black epithelium.
@@ -130,6 +142,9 @@ pub fn iris_surface(
         lod,
         smooth_texel,
         smooth_normal,
+        border: first,
+        alongs,
+        depths,
         begins,
         lengths,
     }
@@ -166,16 +181,30 @@ pub fn iris_covered(texel: &IrisTexel) -> f64 {
     smoothstep(0.03, 0.08, texel.thickness)
 }
 
+/// How many mm of a lamp's light lie in the relief for each mm of depth of a segment's middle.
+pub fn iris_ways(
+    maps: &IrisMaps,
+    iris: &IrisFrame,
+    surface: &IrisSurface,
+    towards: DVec3,
+) -> [f64; STROMA_SEGMENTS] {
+    core::array::from_fn(|i| {
+        let (along, depth) = (surface.alongs[i], surface.depths[i]);
+        let aside = surface.direction.truncate() * along;
+        let under = surface.direction.z.max(0.35) * along - surface.texel.height;
+        let (map, place, lod) = (&maps.relief, &surface.place, surface.lod);
+        relief_way(map, iris, place, aside, under, depth, towards, lod) / depth.max(0.02)
+    })
+}
+
 /// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction
-/// `towards`, `ridge` mm of tissue being in its way; linear sRGB.
+/// `towards`, by these ways ([`iris_ways`]); linear sRGB.
 pub fn iris_scattered_once(
     tissue: &IrisTissue,
     surface: &IrisSurface,
     towards: DVec3,
-    ridge: f64,
+    ways: &[f64; STROMA_SEGMENTS],
 ) -> DVec3 {
-    let into = slanted(surface.normal, surface.normal.dot(towards));
-    let out = slanted(surface.normal, -surface.normal.dot(surface.direction));
     let cosine = towards.dot(surface.direction);
     let rayleigh = phase_rayleigh(cosine);
     let peak = phase_henyey_greenstein(cosine, BUNDLE_SCALED_COSINE);
@@ -183,30 +212,31 @@ pub fn iris_scattered_once(
     let phase = |fibrils: DVec3| bundles + fibrils * (rayleigh - bundles);
     let fade = |depth: DVec3| (-depth).exp();
     let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
-    // A ridge is covered where light enters and where it leaves.
-    let covers = 2.0 * BORDER_LAYER_MM * (ridge / RIDGE_STEP_MM).min(1.0);
     let mut scattered = phase(tissue.border_fibrils)
         * layer_segment_scatter(
             border,
             tissue.border_scattering,
-            BORDER_LAYER_MM * out,
+            surface.border,
             0.0,
-            BORDER_LAYER_MM * into,
+            BORDER_LAYER_MM * ways[0],
         );
-    let mut passed = fade(border * (BORDER_LAYER_MM * (into + out))) * phase(tissue.stroma_fibrils);
-    for (begins, length) in surface.begins.into_iter().zip(surface.lengths) {
+    let mut passed = fade(border * surface.border) * phase(tissue.stroma_fibrils);
+    let segments = surface.begins.into_iter().zip(surface.lengths);
+    for ((begins, length), way) in segments.zip(ways) {
         let ends = begins + length * surface.direction.z.max(0.35);
+        let covered = fade(border * (BORDER_LAYER_MM * way));
         scattered += passed
+            * covered
             * layer_segment_scatter(
                 tissue.stroma,
                 tissue.stroma_scattering,
                 length,
-                begins * into,
-                ends * into,
+                begins * way,
+                ends * way,
             );
         passed *= fade(tissue.stroma * length);
     }
-    tissue.weights * (scattered * fade(tissue.stroma * ridge + border * covers))
+    tissue.weights * scattered
 }
 
 /// What the iris sends back of a lamp with an irradiance / π of one, of which this arrives
@@ -219,12 +249,11 @@ pub fn iris_lamp(
     arrives: DVec4,
 ) -> DVec3 {
     let towards = arrives.truncate();
-    let (height, lod) = (surface.texel.height, surface.lod);
-    let ridge = relief_ridge(&maps.relief, iris, &surface.place, height, towards, lod);
     // Across the beam, from the plane of the iris.
     let across = arrives.w / (-towards.z).max(0.2);
+    let ways = iris_ways(maps, iris, surface, towards);
     let once =
-        iris_scattered_once(tissue, surface, towards, ridge) * (core::f64::consts::PI * across);
+        iris_scattered_once(tissue, surface, towards, &ways) * (core::f64::consts::PI * across);
     let spread = across * surface.smooth_normal.dot(towards).max(0.0);
     let again = spread * iris_reflectance(maps, surface, towards.z, Scattered::Again);
     (once.max(DVec3::ZERO) + again) * iris_covered(&surface.texel)
@@ -316,7 +345,9 @@ mod tests {
             &place,
             0.01,
         );
-        iris_scattered_once(tissue, &surface, slanted(into, turn), 0.0)
+        let towards = slanted(into, turn);
+        let ways = iris_ways(maps, &frame(), &surface, towards);
+        iris_scattered_once(tissue, &surface, towards, &ways)
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The limbus, where the cornea goes over into the sclera. Twin: `shaders/lib/limbus.wgsl`.
 
 use crate::optics::smoothstep::smoothstep;
-use glam::DVec3;
+use crate::tissue::sclera::LAMELLAE;
+use glam::{DVec3, DVec4};
 
 /// Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
 pub fn limbus_share(r: f64, limbus_radius: f64) -> f64 {
@@ -13,10 +14,27 @@ pub fn limbus_normal(globe: DVec3, cornea: DVec3, share: f64) -> DVec3 {
     globe.lerp(cornea, smoothstep(0.0, 0.35, share)).normalize()
 }
 
-/// Tint of the blue-grey ring where the sclera thins over the dark angle.
-pub fn limbus_tint(share: f64) -> DVec3 {
-    let ring = share * (1.0 - share) * 4.0;
-    DVec3::ONE.lerp(DVec3::new(0.62, 0.66, 0.72), ring * 0.75)
+/// What lamellae (`table`, [`crate::tissue::sclera::lamellae`]) do where this share of their thickness lies over the cornea,
+/// between the table's knots.
+pub fn limbus_lamellae(table: &[DVec4; LAMELLAE], share: f64) -> DVec3 {
+    let place = share.clamp(0.0, 1.0).sqrt() * (LAMELLAE - 1) as f64;
+    let below = (place as usize).min(LAMELLAE - 2);
+    table[below]
+        .lerp(table[below + 1], place - below as f64)
+        .truncate()
+}
+
+/// How much of the white's colour is seen there: all of it where all of the sclera is.
+pub fn limbus_white(reflects: &[DVec4; LAMELLAE], share: f64) -> DVec3 {
+    limbus_lamellae(reflects, share) / reflects[LAMELLAE - 1].truncate().max(DVec3::splat(1e-3))
+}
+
+/// How much of what lies behind the cornea: lit and seen through the lamellae, and nothing of it where all of the sclera is.
+pub fn limbus_through(passes: &[DVec4; LAMELLAE], share: f64) -> DVec3 {
+    let last = passes[LAMELLAE - 1].truncate();
+    let kept =
+        (limbus_lamellae(passes, share) - last) / (DVec3::ONE - last).max(DVec3::splat(1e-3));
+    kept * kept
 }
 
 /// How far from the axis (mm) a place counts as being where the transition is `width` mm wide and not 0.9, as
@@ -28,13 +46,14 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
 /// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against
 /// 0.9 mm: above and below the sclera goes further over the cornea, whose vertical diameter looks a millimetre less.
 pub fn limbus_width(sine: f64) -> f64 {
-    0.97 + 0.48 * sine * sine
+    0.87 + 0.48 * sine * sine
 }
 
-/// What lipid in the cornea's rim sends back, linear sRGB, where it covers all (a choice: photographs show it cream).
-pub const ARCUS_COLOR: DVec3 = DVec3::new(0.62, 0.58, 0.47);
+/// What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do (a choice: it is
+/// nearly white there, and the limbus' own rim before it is clear).
+pub const ARCUS_DENSEST: f64 = 0.3;
 
-/// Share of a place of the cornea, `r` mm from the axis, that an arcus covers: a ring with a clear rim outside it,
+/// Density of the lipid of an arcus at a place of the cornea, `r` mm from the axis: a ring with a clear rim outside it,
 /// which comes first above and below; `lipid` 0 to 1.
 pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
     let inside = limbus_radius - r;
@@ -42,7 +61,7 @@ pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
     let ring = smoothstep(-0.05, 0.4, inside) * smoothstep(wide + 0.7, 0.35 * wide, inside);
     let first = smoothstep(0.0, 0.5, lipid);
     let last = 0.65 * smoothstep(0.15, 0.85, lipid);
-    0.85 * ring * (last + (first - last) * sine * sine)
+    ring * (last + (first - last) * sine * sine)
 }
 
 #[cfg(test)]

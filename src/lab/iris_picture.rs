@@ -1,0 +1,380 @@
+//! How far the drawn iris is from paths in f64, for `ocularium measure iris-picture`.
+//!
+//! In: a patient. Out: one JSON object with a row for each view, pupil and light: how far apart (pixels) and how different
+//! (share of the mean radiance) the device's picture and [`paths`] of the same eye are, and how much of that is left when
+//! the shader's own closed forms are computed in f64.
+//!
+//! The paths go through the same maps, cornea, lamps and layers, without what makes a picture quick: the view meets the relief by
+//! steps of 4 µm; what is scattered once is summed along it in steps of 4 to 10 µm; the light of each step is solved by Fermat's
+//! principle at its own place and depth, and goes there through all of the tissue in its way. What is scattered more than
+//! once, the light of the sky, what surfaces mirror and how lids shade are the shader's own terms.
+
+mod paths;
+mod seen;
+
+use super::headless::{Headless, HeadlessError};
+use crate::appearance::materials::GlobePart;
+use crate::appearance::{
+    EyeOrbit, EyeQuality, GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, StudioLight,
+};
+use crate::motion::MotionCommand;
+use crate::motion::engine::GazeCommand;
+use crate::patients::{PatientFile, PupilSetting};
+use crate::scene::catalog::{BuiltIn, LoadedScene};
+use crate::stage::{PanelLight, Session};
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::{Hdr, RenderTarget};
+use bevy::image::Image;
+use bevy::math::{DVec2, DVec3, UVec2};
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+pub use seen::IrisPicture;
+use seen::SeenIris;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Pixels along a side, and the camera's distance, mm: an iris is 148 pixels wide.
+const SIDE: u32 = 256;
+const DISTANCE_MM: f32 = 45.0;
+/// From where it is looked at, degrees to the temple.
+pub const ANGLES_DEG: [f32; 3] = [0.0, 30.0, 60.0];
+/// Entrance pupils, mm.
+pub const PUPILS_MM: [f64; 3] = [2.0, 4.0, 8.0];
+/// A light that is far and one that is near.
+pub const LIGHTS: [StudioLight; 2] = [StudioLight::Window, StudioLight::Penlight];
+/// Tiles along a side in which the two are laid over each other.
+const TILES: usize = 4;
+/// Fewest pixels of a tile that say where it is.
+const TILE_PIXELS: usize = 150;
+
+/// What the table holds.
+pub const MEANING: &str = "How far the drawn iris is from paths of light in f64 through the same eye: place and radiance, at three \
+                           views, three pupils, in distant and near light";
+
+/// A picture beside its paths.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PictureRow {
+    /// Of the camera from the face's direction, degrees to the temple.
+    pub angle_deg: f32,
+    /// Diameter of the entrance pupil, mm.
+    pub pupil_mm: f64,
+    /// The light.
+    pub light: &'static str,
+    /// How it differs.
+    #[serde(flatten)]
+    pub difference: PictureDifference,
+}
+
+/// The table.
+#[derive(Clone, Debug, Serialize)]
+pub struct IrisPictures {
+    table: &'static str,
+    version: &'static str,
+    meaning: &'static str,
+    notes: &'static [&'static str],
+    patient: String,
+    device: String,
+    /// The pictures.
+    pub rows: Vec<PictureRow>,
+}
+
+/// An app that shows the iris alone, as radiance.
+pub struct IrisStage {
+    headless: Headless,
+    image: Handle<Image>,
+    time_s: f64,
+}
+
+fn radiance_image() -> Image {
+    let size = Extent3d {
+        width: SIDE,
+        height: SIDE,
+        depth_or_array_layers: 1,
+    };
+    let usages = RenderAssetUsages::RENDER_WORLD;
+    let mut image = Image::new_uninit(
+        size,
+        TextureDimension::D2,
+        TextureFormat::Rgba16Float,
+        usages,
+    );
+    image.texture_descriptor.usage =
+        TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC | TextureUsages::RENDER_ATTACHMENT;
+    image
+}
+
+/// Everything about an eye but its globe.
+type NotGlobe = Or<(
+    With<MeshMaterial3d<SkinMaterial>>,
+    With<MeshMaterial3d<HairMaterial>>,
+    With<MeshMaterial3d<MeniscusMaterial>>,
+)>;
+
+impl IrisStage {
+    /// The leading eye of a patient, in this light.
+    ///
+    /// # Errors
+    /// Without a device, or where its picture cannot be made.
+    pub fn new(patient: &PatientFile, light: StudioLight) -> Result<Self, HeadlessError> {
+        super::headless::require_device()?;
+        let scene = BuiltIn::Chart.build();
+        let scene = scene.map_err(|error| HeadlessError::ReadBack(error.to_string()))?;
+        let session = Session {
+            light: PanelLight::Studio(light),
+            ..Session::new(patient.clone(), LoadedScene::Model(Box::new(scene)), 1)
+        };
+        let mut image = Handle::default();
+        let sizes = [UVec2::splat(SIDE), UVec2::splat(16)];
+        let mut headless = Headless::prepared(session, sizes, [true, false], |world, stage| {
+            image = world.resource_mut::<Assets<Image>>().add(radiance_image());
+            let target = RenderTarget::Image(image.clone().into());
+            world.entity_mut(stage.eye).insert((Hdr, target));
+        })?;
+        headless.set_quality(EyeQuality { msaa: Msaa::Off });
+        let world = headless.world();
+        let mut parts = world.query_filtered::<Entity, NotGlobe>();
+        let mut hidden: Vec<Entity> = parts.iter(world).collect();
+        // The conjunctiva hangs over the cornea's edge.
+        let mut globes = world.query::<(Entity, &MeshMaterial3d<GlobeMaterial>)>();
+        let materials = world.resource::<Assets<GlobeMaterial>>();
+        let is_cornea = |part: &MeshMaterial3d<GlobeMaterial>| {
+            materials
+                .get(&part.0)
+                .is_some_and(|own| own.part == GlobePart::Cornea)
+        };
+        let others = globes.iter(world).filter(|(_, part)| !is_cornea(part));
+        hidden.extend(others.map(|(entity, _)| entity));
+        for part in hidden {
+            world.entity_mut(part).insert(Visibility::Hidden);
+        }
+        world.write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+            azimuth_rad: 0.0,
+            elevation_rad: 0.0,
+            distance_m: 1000.0,
+        }));
+        Ok(Self {
+            headless,
+            image,
+            time_s: 0.0,
+        })
+    }
+
+    /// What draws.
+    pub fn device(&self) -> String {
+        self.headless.adapter()
+    }
+
+    /// Draws it from this side: what is needed to do the same in f64, and the radiances of the device, row by row.
+    ///
+    /// # Errors
+    /// Where the device does not hand them over.
+    pub fn picture(&mut self, angle_deg: f32) -> Result<(IrisPicture, Vec<DVec3>), HeadlessError> {
+        self.headless.set_orbit(EyeOrbit {
+            azimuth_deg: angle_deg,
+            elevation_deg: 0.0,
+            distance_mm: DISTANCE_MM,
+        });
+        // A new light or view may want a pipeline of its own.
+        for _ in 0..3 {
+            self.time_s += 0.5;
+            self.headless.go_to(self.time_s);
+            self.headless.warm_up()?;
+        }
+        let drawn = self.headless.map(&self.image, false)?;
+        let pixel = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
+        let radiances = (0..SIDE * SIDE).map(|i| {
+            let [r, g, b, _] = drawn.sample(DVec2::new(pixel(i % SIDE), pixel(i / SIDE)), 0.0);
+            DVec3::new(r, g, b)
+        });
+        let radiances = radiances.collect();
+        let picture = IrisPicture::of(&mut self.headless, UVec2::splat(SIDE))?;
+        Ok((picture, radiances))
+    }
+}
+
+/// The radiances of pixels that show nothing but iris, by one way and another.
+struct Compared {
+    pixels: Vec<(usize, SeenIris)>,
+    ours: Vec<DVec3>,
+    paths: Vec<DVec3>,
+}
+
+fn luminance(c: DVec3) -> f64 {
+    c.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Root mean square of the difference of all channels, and its mean, over the mean of `truth`.
+fn difference(found: &[DVec3], truth: &[DVec3]) -> (f64, f64) {
+    let all = || found.iter().zip(truth);
+    let count = truth.len().max(1) as f64;
+    let mean = truth.iter().map(|c| c.element_sum()).sum::<f64>() / (3.0 * count);
+    let squares = all().map(|(a, b)| (*a - *b).length_squared()).sum::<f64>() / (3.0 * count);
+    let off = all().map(|(a, b)| (*a - *b).element_sum()).sum::<f64>() / (3.0 * count);
+    (squares.sqrt() / mean.max(1e-12), off / mean.max(1e-12))
+}
+
+/// How far (pixels) the part of a picture in these pixels lies from the same in another: the step that makes both most alike, by
+/// the gradient of the other (Lucas and Kanade 1981). `None` where too little is there to say.
+fn step_between(at: &[usize], found: &[f64], truth: &[f64]) -> Option<DVec2> {
+    let side = SIDE as usize;
+    let (mut xx, mut xy, mut yy, mut right) = (0.0, 0.0, 0.0, DVec2::ZERO);
+    // What is brighter all over is not elsewhere.
+    let mean = |values: &[f64]| at.iter().map(|&i| values[i]).sum::<f64>() / at.len() as f64;
+    let level = mean(found) / mean(truth).max(1e-12);
+    let mut count = 0;
+    for &i in at {
+        let around = [i - 1, i + 1, i - side, i + side];
+        if around.iter().any(|j| !truth[*j].is_finite()) {
+            continue;
+        }
+        let slope = 0.5
+            * DVec2::new(
+                truth[around[1]] - truth[around[0]],
+                truth[around[3]] - truth[around[2]],
+            );
+        let off = found[i] / level.max(1e-12) - truth[i];
+        xx += slope.x * slope.x;
+        xy += slope.x * slope.y;
+        yy += slope.y * slope.y;
+        right -= slope * off;
+        count += 1;
+    }
+    let determinant = xx * yy - xy * xy;
+    (count >= TILE_PIXELS && determinant > 1e-3 * (xx + yy).powi(2))
+        .then(|| DVec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / determinant)
+}
+
+impl Compared {
+    fn new(picture: &IrisPicture, drawn: &[DVec3]) -> Self {
+        let pixels: Vec<(usize, SeenIris)> = (0..drawn.len())
+            .filter_map(|i| Some((i, picture.seen(i)?)))
+            .collect();
+        let workers = std::thread::available_parallelism().map_or(1, |count| count.get());
+        let share = pixels.len().div_ceil(workers).max(1);
+        let paths = std::thread::scope(|scope| {
+            let parts = pixels.chunks(share).map(|part| {
+                scope.spawn(move || {
+                    let of = |(_, seen): &(usize, SeenIris)| picture.by_paths(seen);
+                    part.iter().map(of).collect::<Vec<_>>()
+                })
+            });
+            let parts: Vec<_> = parts.collect();
+            // A thread that panics has a defect, which is passed on.
+            let join = |part: std::thread::ScopedJoinHandle<'_, Vec<DVec3>>| match part.join() {
+                Ok(radiances) => radiances,
+                Err(defect) => std::panic::resume_unwind(defect),
+            };
+            parts.into_iter().flat_map(join).collect()
+        });
+        Self {
+            ours: pixels.iter().map(|(i, _)| drawn[*i]).collect(),
+            pixels,
+            paths,
+        }
+    }
+
+    /// Largest distance (pixels) between a tile of ours and the same by paths.
+    fn place_px(&self) -> f64 {
+        let side = SIDE as usize;
+        let spread = |of: &[DVec3]| {
+            let mut values = vec![f64::NAN; side * side];
+            for ((i, _), c) in self.pixels.iter().zip(of) {
+                values[*i] = luminance(*c);
+            }
+            values
+        };
+        let (ours, paths) = (spread(&self.ours), spread(&self.paths));
+        let (mut low, mut high) = ((side, side), (0, 0));
+        for (i, _) in &self.pixels {
+            let (x, y) = (i % side, i / side);
+            low = (low.0.min(x), low.1.min(y));
+            high = (high.0.max(x + 1), high.1.max(y + 1));
+        }
+        let mut tiles = vec![Vec::new(); TILES * TILES];
+        for (i, _) in &self.pixels {
+            let tile = |at: usize, low: usize, high: usize| TILES * (at - low) / (high - low);
+            let (x, y) = (tile(i % side, low.0, high.0), tile(i / side, low.1, high.1));
+            tiles[y * TILES + x].push(*i);
+        }
+        let steps = tiles
+            .iter()
+            .filter_map(|at| step_between(at, &ours, &paths));
+        steps.map(DVec2::length).fold(0.0, f64::max)
+    }
+}
+
+/// How a picture differs from its paths.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PictureDifference {
+    /// Pixels that show nothing but iris.
+    pub pixels: usize,
+    /// Largest distance (pixels) between a part of the iris in the picture and the same by paths.
+    pub place_px: f64,
+    /// Root mean square of the difference of radiances, % of their mean.
+    pub rms_percent: f64,
+    /// By how much the picture is brighter than the paths, %.
+    pub bias_percent: f64,
+    /// The root mean square between the picture and the shader's closed forms in f64, %.
+    pub rounding_percent: f64,
+    /// Time of the paths, microseconds a pixel on one thread.
+    pub paths_us_a_pixel: f64,
+}
+
+/// Compares what a device has drawn (linear, row by row) with the paths of the same picture.
+pub fn compare(picture: &IrisPicture, drawn: &[DVec3]) -> PictureDifference {
+    let started = Instant::now();
+    let compared = Compared::new(picture, drawn);
+    let workers = std::thread::available_parallelism().map_or(1, |count| count.get());
+    let took_us = started.elapsed().as_secs_f64() * 1e6 * workers as f64;
+    let seen = compared.pixels.iter();
+    let closed: Vec<DVec3> = seen
+        .map(|(_, seen)| picture.by_closed_forms(seen))
+        .collect();
+    let (rms, bias) = difference(&compared.ours, &compared.paths);
+    PictureDifference {
+        pixels: compared.pixels.len(),
+        place_px: compared.place_px(),
+        rms_percent: 100.0 * rms,
+        bias_percent: 100.0 * bias,
+        rounding_percent: 100.0 * difference(&compared.ours, &closed).0,
+        paths_us_a_pixel: took_us / compared.pixels.len().max(1) as f64,
+    }
+}
+
+/// All views, pupils and lights of a patient's leading eye.
+///
+/// # Errors
+/// Without a device, or where a picture cannot be made.
+pub fn iris_pictures(patient: &PatientFile) -> Result<IrisPictures, HeadlessError> {
+    let (mut rows, mut device) = (Vec::new(), String::new());
+    for light in LIGHTS {
+        for pupil_mm in PUPILS_MM {
+            let mut file = patient.clone();
+            file.pupil = PupilSetting::Fixed(pupil_mm);
+            let mut stage = IrisStage::new(&file, light)?;
+            device = stage.device();
+            for angle_deg in ANGLES_DEG {
+                let (picture, drawn) = stage.picture(angle_deg)?;
+                rows.push(PictureRow {
+                    angle_deg,
+                    pupil_mm,
+                    light: light.name(),
+                    difference: compare(&picture, &drawn),
+                });
+            }
+        }
+    }
+    Ok(IrisPictures {
+        table: "iris-picture",
+        version: env!("CARGO_PKG_VERSION"),
+        meaning: MEANING,
+        notes: &[
+            "Both are of the same eye: the maps, the lamps and the numbers are read back from the device.",
+            "What is scattered more than once, the sky's light, what surfaces mirror and how lids shade are the shader's own terms in              both; measure tissue has what is scattered more than once beside random walks.",
+            "place: the iris in 16 tiles, each laid over the same by paths.",
+        ],
+        patient: patient.name.clone(),
+        device,
+        rows,
+    })
+}

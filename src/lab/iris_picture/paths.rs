@@ -1,0 +1,270 @@
+//! The radiance of a pixel of an iris by paths: the tissue as a body between the relief and its back, the view and each
+//! lamp's light followed through it in small steps.
+
+use super::seen::{IrisPicture, SeenIris};
+use crate::appearance::illumination::Lamp;
+use crate::appearance::light_table::LightTableSettings;
+use crate::appearance::shading::iris_relief::{
+    IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm,
+};
+use crate::appearance::shading::iris_shade::{
+    IRIS_SPREAD_MM, IrisSurface, STROMA_SEGMENTS, Scattered, iris_covered, iris_reflectance,
+};
+use crate::appearance::shading::near_light::light_entry;
+use crate::optics::cornea::cornea_trace_single;
+use crate::optics::smoothstep::smoothstep;
+use crate::tissue::iris_layers::{BUNDLE_SCALED_COSINE, BUNDLE_SIDEWAYS};
+use crate::tissue::iris_reflectance::BORDER_LAYER_MM;
+use crate::tissue::phase::{PHASE_ISOTROPIC, phase_henyey_greenstein, phase_rayleigh};
+use bevy::math::{DVec2, DVec3};
+use core::f64::consts::PI;
+
+/// Step (mm of depth) by which the view looks for the relief.
+const MARCH_MM: f64 = 0.004;
+/// Steps (mm) along the view in the border layer, in the stroma, and of light on its way in.
+const FINE_MM: f64 = 0.004;
+const COARSE_MM: f64 = 0.01;
+/// Cosine to the axis down to which a lamp behind the plane of the iris fades out, as in its table.
+const FADE: f64 = 0.06;
+
+/// Light of a lamp at a place behind the cornea.
+struct Arriving {
+    /// Unit direction from the place towards where it enters.
+    towards: DVec3,
+    /// Irradiance across its beam, over the lamp's own.
+    across: f64,
+    /// Where it enters the cornea.
+    enters: DVec3,
+    /// Unit direction towards the lamp from there, and how much nearer it is than from the globe's centre.
+    lamp: (DVec3, f64),
+}
+
+impl IrisPicture {
+    fn texel(&self, at: DVec2, lod: f64) -> IrisTexel {
+        let place = iris_place(at, &self.frame);
+        iris_texel(&self.maps.relief, &self.frame, place.uv, lod)
+    }
+
+    /// Depth of a place below the surface of the tissue over or under it, and what that is.
+    fn depth(&self, p: DVec3, lod: f64) -> (f64, IrisTexel) {
+        let texel = self.texel(p.truncate(), lod);
+        (p.z - self.iris_depth() + texel.height, texel)
+    }
+
+    /// The first place of the view's ray that is not before the relief.
+    fn meets(&self, seen: &SeenIris, lod: f64) -> DVec3 {
+        let (point, direction) = (seen.trace.point, seen.trace.direction);
+        let at = |depth: f64| point + direction * (depth / direction.z.max(0.05));
+        let thicken = self.frame.thicken;
+        let (mut before, deepest) = (-0.3 * thicken, 0.5 * thicken);
+        while before < deepest {
+            let next = before + MARCH_MM;
+            if self.depth(at(next), lod).0 >= 0.0 {
+                let (mut out, mut within) = (before, next);
+                for _ in 0..40 {
+                    let middle = 0.5 * (out + within);
+                    if self.depth(at(middle), lod).0 >= 0.0 {
+                        within = middle;
+                    } else {
+                        out = middle;
+                    }
+                }
+                return at(within);
+            }
+            before = next;
+        }
+        at(deepest)
+    }
+
+    fn normal(&self, at: DVec2, over_mm: f64, lod: f64) -> DVec3 {
+        let height = |step: DVec2| self.texel(at + step, lod).height;
+        let half = 0.5 * over_mm;
+        let rise = |axis: DVec2| height(axis * half) - height(-axis * half);
+        let slope = DVec2::new(rise(DVec2::X), rise(DVec2::Y)) * (self.frame.relief / over_mm);
+        (-slope).extend(-1.0).normalize()
+    }
+
+    /// The surface at a place of it, for what is scattered more than once.
+    fn surface(&self, seen: &SeenIris, at: DVec3, lod: f64) -> IrisSurface {
+        let finest = iris_texel_mm(self.maps.relief.size().y, 0.0, &self.frame);
+        let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
+        let over = at.truncate();
+        IrisSurface {
+            at: over,
+            place: iris_place(over, &self.frame),
+            texel: self.texel(over, lod),
+            normal: self.normal(over, seen.footprint.max(0.012), lod),
+            direction: seen.trace.direction,
+            lod,
+            smooth_texel: self.texel(over, spread),
+            smooth_normal: self.normal(over, seen.footprint.max(IRIS_SPREAD_MM), spread),
+            border: 0.0,
+            alongs: [0.0; STROMA_SEGMENTS],
+            depths: [0.0; STROMA_SEGMENTS],
+            begins: [0.0; STROMA_SEGMENTS],
+            lengths: [0.0; STROMA_SEGMENTS],
+        }
+    }
+
+    /// Light of a lamp (eye frame) at a place, by Fermat's principle; `None` in the dark.
+    fn arriving(&self, lamp: &Lamp, p: DVec3) -> Option<Arriving> {
+        let settings = LightTableSettings {
+            surface: self.anterior(),
+            index: self.aqueous(),
+            iris_z: p.z,
+            root_mm: self.frame.root,
+            limbus_mm: self.frame.limbus,
+        };
+        let solve = |light: DVec3| {
+            let exact = settings.exact(light, p.truncate());
+            let aside = exact.towards;
+            let towards = aside.extend(-(1.0 - aside.length_squared()).max(0.0).sqrt());
+            (exact, towards, light_entry(p, towards, settings.surface))
+        };
+        let (light, nearer, (exact, towards, enters), on_plane) = match self.lamp_place(lamp) {
+            None => {
+                let light = lamp.direction.as_dvec3();
+                let solved = solve(light);
+                let on_plane = solved.0.unbounded_irradiance;
+                (light, 1.0, solved, on_plane)
+            }
+            Some(place) => {
+                let mut light = place.normalize();
+                let mut solved = solve(light);
+                for _ in 0..20 {
+                    light = (place - solved.2).normalize();
+                    solved = solve(light);
+                }
+                let unit = 1.0 / f64::from(lamp.vergence);
+                let nearer = unit / place.distance(solved.2);
+                let on_plane = self.near_irradiance(place, solved.2, unit, p.z);
+                (light, nearer, solved, on_plane)
+            }
+        };
+        let limbus = self.frame.limbus;
+        let inside = smoothstep(limbus + 0.5, limbus - 0.3, exact.entry_radius_mm);
+        let fade = (1.0 - light.z / FADE).clamp(0.0, 1.0);
+        let across = on_plane * inside * fade / (-towards.z).max(0.05);
+        (across > 0.0).then_some(Arriving {
+            towards,
+            across,
+            enters,
+            lamp: (light, nearer),
+        })
+    }
+
+    /// Irradiance of the plane at depth `z` by a lamp that has one at a distance of `unit` mm, where its light that enters here
+    /// arrives: rays about it, by their solid angle and where they land.
+    fn near_irradiance(&self, lamp: DVec3, enters: DVec3, unit: f64, z: f64) -> f64 {
+        let middle = (enters - lamp).normalize();
+        let (u, v) = middle.any_orthonormal_pair();
+        let step = 1e-5;
+        let lands = |a: f64, b: f64| {
+            let dir = (middle + step * (a * u + b * v)).normalize();
+            let trace = cornea_trace_single(lamp, dir, self.anterior(), self.aqueous(), z);
+            (trace.point, trace.transmittance)
+        };
+        let along = (lands(1.0, 0.0).0 - lands(-1.0, 0.0).0) / (2.0 * step);
+        let across = (lands(0.0, 1.0).0 - lands(0.0, -1.0).0) / (2.0 * step);
+        unit * unit * lands(0.0, 0.0).1 / along.cross(across).length().max(1e-9)
+    }
+
+    /// What tissue at this depth below its surface takes from light, 1/mm; `None` behind its back.
+    fn extinction(&self, depth: f64, texel: &IrisTexel) -> Option<DVec3> {
+        if depth < 0.0 {
+            Some(DVec3::ZERO)
+        } else if depth < BORDER_LAYER_MM {
+            Some(self.tissue.border + self.tissue.border_melanin * texel.melanin)
+        } else {
+            (depth < texel.thickness).then_some(self.tissue.stroma)
+        }
+    }
+
+    /// Optical depth of all tissue from a place towards where its light enters; `None` where the black epithelium is in the way.
+    fn way_in(&self, from: DVec3, towards: DVec3, lod: f64) -> Option<DVec3> {
+        let top = self.iris_depth() - 0.3 * self.frame.thicken;
+        let mut sum = DVec3::ZERO;
+        let mut along = 0.0;
+        loop {
+            // Fine where it begins, as the border layer is thin.
+            let step = if along < 0.08 { FINE_MM } else { COARSE_MM };
+            let p = from + towards * (along + 0.5 * step);
+            if p.z < top {
+                return Some(sum);
+            }
+            let (depth, texel) = self.depth(p, lod);
+            sum += self.extinction(depth, &texel)? * step;
+            along += step;
+            // Nothing is left of it.
+            if sum.min_element() > 20.0 || along > 10.0 {
+                return None;
+            }
+        }
+    }
+
+    /// Radiance at three wavelengths by one scattering of a lamp's light, over its irradiance.
+    fn once(&self, seen: &SeenIris, lamp: &Lamp, from: DVec3, lod: f64) -> DVec3 {
+        let direction = seen.trace.direction;
+        let (mut sum, mut passed, mut along) = (DVec3::ZERO, DVec3::ONE, 0.0);
+        while along < 10.0 && passed.max_element() > 1e-4 {
+            let step = if along < 0.1 { FINE_MM } else { COARSE_MM };
+            let p = from + direction * (along + 0.5 * step);
+            along += step;
+            let (depth, texel) = self.depth(p, lod);
+            let Some(extinction) = self.extinction(depth, &texel) else {
+                break;
+            };
+            if depth < 0.0 {
+                // It may come out of a ridge, and go past all of it.
+                if p.z > self.iris_depth() + 0.6 * self.frame.thicken {
+                    break;
+                }
+                continue;
+            }
+            let (scattering, fibrils) = if depth < BORDER_LAYER_MM {
+                (self.tissue.border_scattering, self.tissue.border_fibrils)
+            } else {
+                (self.tissue.stroma_scattering, self.tissue.stroma_fibrils)
+            };
+            let leaves = (-extinction * step).exp();
+            if let Some(arriving) = self.arriving(lamp, p)
+                && let Some(way) = self.way_in(p, arriving.towards, lod)
+            {
+                let cosine = arriving.towards.dot(direction);
+                let peak = phase_henyey_greenstein(cosine, BUNDLE_SCALED_COSINE);
+                let bundles = peak + (PHASE_ISOTROPIC - peak) * BUNDLE_SIDEWAYS;
+                let phase = bundles + fibrils * (phase_rayleigh(cosine) - bundles);
+                // All that this step scatters of what reaches it.
+                let part = (DVec3::ONE - leaves) / extinction;
+                sum += passed * part * scattering * phase * (-way).exp() * arriving.across;
+            }
+            passed *= leaves;
+        }
+        sum
+    }
+
+    /// What the camera gets, by paths.
+    pub fn by_paths(&self, seen: &SeenIris) -> DVec3 {
+        let size = self.maps.relief.size();
+        let radius = seen.trace.point.truncate().length();
+        let lod = iris_level(size, seen.footprint, radius, self.frame.width());
+        let at = self.meets(seen, lod);
+        let surface = self.surface(seen, at, lod);
+        let covered = iris_covered(&surface.texel);
+        let mut lit = self.sky(&surface);
+        for lamp in self.lamps() {
+            let Some(arriving) = self.arriving(&lamp, at) else {
+                continue;
+            };
+            let (light, nearer) = arriving.lamp;
+            let passes = self.lids_leave(arriving.enters, light, f64::from(lamp.radius) * nearer);
+            let once = self.tissue.weights * self.once(seen, &lamp, at, lod) * PI;
+            let spread = arriving.across * surface.smooth_normal.dot(arriving.towards).max(0.0);
+            let towards_z = arriving.towards.z;
+            let again =
+                spread * iris_reflectance(&self.maps, &surface, towards_z, Scattered::Again);
+            lit += lamp.color.as_dvec3() * (passes * covered) * (once.max(DVec3::ZERO) + again);
+        }
+        self.shown(seen, lit)
+    }
+}

@@ -1,0 +1,124 @@
+//! Eyes at the ends of what a patient file allows, from anywhere: no pixel that is no number.
+//!
+//! A few of them each time; `OCULARIUM_EYES=10000 cargo test --release --test integration -- legal_eyes` draws as many as asked.
+
+use bevy::camera::{Hdr, RenderTarget};
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use ocularium::appearance::{EyeOrbit, StudioLight};
+use ocularium::lab::headless::Headless;
+use ocularium::patients::{FIELDS, PRESETS, PatientFile, load_patient};
+use ocularium::scene::catalog::{BuiltIn, LoadedScene};
+use ocularium::stage::{PanelLight, Session, SessionCommand};
+use rand::seq::IndexedRandom;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+const SIDE: u32 = 96;
+
+/// A patient whose numbers are anywhere in their ranges, often at an end, and who passes the check.
+fn legal_patient(rng: &mut impl Rng) -> PatientFile {
+    let preset = PRESETS.choose(rng).expect("there are presets");
+    let mut file = load_patient(preset.name).expect("a preset is legal");
+    for field in FIELDS {
+        if rng.random_bool(0.65) {
+            continue;
+        }
+        let (low, high) = field.range;
+        let value = match rng.random_range(0..4) {
+            0 => low,
+            1 => high,
+            _ => rng.random_range(low..=high),
+        };
+        let mut other = file.clone();
+        (field.set)(&mut other, value);
+        if other.check("ann.ron").is_ok() {
+            file = other;
+        }
+    }
+    file
+}
+
+fn radiance_image() -> Image {
+    let size = Extent3d {
+        width: SIDE,
+        height: SIDE,
+        depth_or_array_layers: 1,
+    };
+    let mut image = Image::new_uninit(
+        size,
+        TextureDimension::D2,
+        TextureFormat::Rgba16Float,
+        default(),
+    );
+    image.texture_descriptor.usage =
+        TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC | TextureUsages::RENDER_ATTACHMENT;
+    image
+}
+
+/// Pixels that are no radiance: not a number, not finite, or less than nothing.
+fn wrong_pixels(headless: &Headless, image: &Handle<Image>) -> Vec<(u32, u32, [f64; 4])> {
+    let drawn = headless.map(image, false).expect("a picture");
+    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
+    (0..SIDE * SIDE)
+        .map(|i| (i % SIDE, i / SIDE))
+        .map(|(x, y)| {
+            (
+                x,
+                y,
+                drawn.sample(glam::DVec2::new(place(x), place(y)), 0.0),
+            )
+        })
+        .filter(|(.., c)| c[..3].iter().any(|v| !v.is_finite() || *v < 0.0))
+        .collect()
+}
+
+#[test]
+fn no_legal_eye_has_a_pixel_that_is_no_number() {
+    let wanted = std::env::var("OCULARIUM_EYES").ok();
+    let wanted: u32 = wanted.and_then(|n| n.parse().ok()).unwrap_or(12);
+    let mut rng = Pcg64::seed_from_u64(20_261_129);
+    let lights = [
+        StudioLight::Window,
+        StudioLight::Ring,
+        StudioLight::Coaxial,
+        StudioLight::Penlight,
+    ];
+    for (at, light) in lights.into_iter().enumerate() {
+        let scene = LoadedScene::Model(Box::new(BuiltIn::Chart.build().expect("a scene")));
+        let session = Session {
+            light: PanelLight::Studio(light),
+            ..Session::new(legal_patient(&mut rng), scene, 1)
+        };
+        let mut image = Handle::default();
+        let sizes = [UVec2::splat(SIDE), UVec2::splat(16)];
+        let mut headless = Headless::prepared(session, sizes, [true, false], |world, stage| {
+            image = world.resource_mut::<Assets<Image>>().add(radiance_image());
+            let target = RenderTarget::Image(image.clone().into());
+            world.entity_mut(stage.eye).insert((Hdr, target));
+        })
+        .expect("a device");
+        let own = (wanted + lights.len() as u32 - 1 - at as u32) / lights.len() as u32;
+        for _ in 0..own {
+            let patient = legal_patient(&mut rng);
+            let orbit = EyeOrbit {
+                azimuth_deg: rng.random_range(-85.0..=85.0),
+                elevation_deg: rng.random_range(-80.0..=80.0),
+                distance_mm: *[35.0, 45.0, 93.0, 400.0].choose(&mut rng).expect("some"),
+            };
+            let said = ron::to_string(&patient).expect("a patient is written");
+            headless.command(SessionCommand::Patient(Box::new(patient)));
+            headless.set_orbit(orbit);
+            headless.go_to(0.05);
+            headless.warm_up().expect("a picture");
+            headless.go_to(rng.random_range(0.1..3.0));
+            let wrong = wrong_pixels(&headless, &image);
+            assert!(
+                wrong.is_empty(),
+                "{} pixels, the first {:?}: {light:?} {orbit:?} {said}",
+                wrong.len(),
+                wrong.first()
+            );
+        }
+    }
+}
