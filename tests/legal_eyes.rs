@@ -2,9 +2,8 @@
 //!
 //! A few of them each time; `OCULARIUM_EYES=10000 cargo test --release --test integration -- legal_eyes` draws as many as asked.
 
-use bevy::camera::{Hdr, RenderTarget};
+use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use ocularium::appearance::{EyeOrbit, StudioLight};
 use ocularium::lab::headless::Headless;
 use ocularium::patients::{FIELDS, PRESETS, PatientFile, load_patient};
@@ -39,37 +38,14 @@ fn legal_patient(rng: &mut impl Rng) -> PatientFile {
     file
 }
 
-fn radiance_image() -> Image {
-    let size = Extent3d {
-        width: SIDE,
-        height: SIDE,
-        depth_or_array_layers: 1,
-    };
-    let mut image = Image::new_uninit(
-        size,
-        TextureDimension::D2,
-        TextureFormat::Rgba16Float,
-        default(),
-    );
-    image.texture_descriptor.usage =
-        TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC | TextureUsages::RENDER_ATTACHMENT;
-    image
-}
-
 /// Pixels that are no radiance: not a number, not finite, or less than nothing.
-fn wrong_pixels(headless: &Headless, image: &Handle<Image>) -> Vec<(u32, u32, [f64; 4])> {
-    let drawn = headless.map(image, false).expect("a picture");
-    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
-    (0..SIDE * SIDE)
-        .map(|i| (i % SIDE, i / SIDE))
-        .map(|(x, y)| {
-            (
-                x,
-                y,
-                drawn.sample(glam::DVec2::new(place(x), place(y)), 0.0),
-            )
-        })
-        .filter(|(.., c)| c[..3].iter().any(|v| !v.is_finite() || *v < 0.0))
+fn wrong_pixels(headless: &Headless, image: &Handle<Image>) -> Vec<(usize, DVec3)> {
+    let drawn = headless.radiances(image).expect("a picture");
+    let is_wrong = |c: &DVec3| !c.is_finite() || c.min_element() < 0.0;
+    drawn
+        .into_iter()
+        .enumerate()
+        .filter(|(_, c)| is_wrong(c))
         .collect()
 }
 
@@ -90,14 +66,8 @@ fn no_legal_eye_has_a_pixel_that_is_no_number() {
             light: PanelLight::Studio(light),
             ..Session::new(legal_patient(&mut rng), scene, 1)
         };
-        let mut image = Handle::default();
-        let sizes = [UVec2::splat(SIDE), UVec2::splat(16)];
-        let mut headless = Headless::prepared(session, sizes, [true, false], |world, stage| {
-            image = world.resource_mut::<Assets<Image>>().add(radiance_image());
-            let target = RenderTarget::Image(image.clone().into());
-            world.entity_mut(stage.eye).insert((Hdr, target));
-        })
-        .expect("a device");
+        let (mut headless, image) =
+            Headless::with_radiance(session, UVec2::splat(SIDE)).expect("a device");
         let own = (wanted + lights.len() as u32 - 1 - at as u32) / lights.len() as u32;
         for _ in 0..own {
             let patient = legal_patient(&mut rng);

@@ -1,7 +1,7 @@
 // The relief of the iris over its plane: where the refracted ray meets it and what it puts in the way of
 // light. Twin: src/appearance/shading/iris_relief.rs.
 
-// Radii (mm) of the root, the pupil and the limbus, how much of the relief's slope shows, the pupil's centre (mm), how many
+// Radii (mm) of the root, the pupil and the limbus, how many times as high as its own the relief is, the pupil's centre (mm), how many
 // times as thick as in the map the stroma is (it keeps its volume), and how deep its furrows are (1 as in the map).
 struct IrisFrame { root: f32, pupil: f32, limbus: f32, relief: f32, center: vec2f, thicken: f32, furrows: f32 };
 
@@ -33,7 +33,7 @@ fn iris_step(place: IrisPlace, step: vec2f) -> vec2f {
 
 fn iris_texel(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, uv: vec2f, lod: f32) -> IrisTexel {
     let t = textureSampleLevel(map, polar, vec2f(uv.x, clamp(uv.y, 0.001, 0.999)), lod);
-    return IrisTexel(t.b * iris.thicken - t.a * iris.furrows, t.r * iris.thicken, t.g);
+    return IrisTexel((t.b * iris.thicken - t.a * iris.furrows) * iris.relief, t.r * iris.thicken, t.g);
 }
 
 // Width (mm) of a texel of a map of this many rows, at this level.
@@ -56,8 +56,8 @@ const RELIEF_STEPS: f32 = 12.0;
 fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32) -> vec2f {
     let slope = direction.xy / max(direction.z, 0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
-    let top = 0.20 * iris.thicken;
-    let deepest = 0.40 * iris.thicken;
+    let top = 0.20 * iris.thicken * max(iris.relief, 1.0);
+    let deepest = 2.0 * top;
     let texel = iris_texel_mm(f32(textureDimensions(map).y), lod, iris);
     let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), 3.0, RELIEF_STEPS);
     var before = 0.0;
@@ -80,7 +80,7 @@ fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: I
     let upper = iris_texel(map, polar, iris, iris_step(place, vec2f(0.0, r)), lod).height;
     let left = iris_texel(map, polar, iris, iris_step(place, vec2f(-0.8660254, -0.5) * r), lod).height;
     let right = iris_texel(map, polar, iris, iris_step(place, vec2f(0.8660254, -0.5) * r), lod).height;
-    let slope = vec2f((right - left) / 1.7320508, (upper - 0.5 * (left + right)) / 1.5) * (iris.relief / r);
+    let slope = vec2f((right - left) / 1.7320508, (upper - 0.5 * (left + right)) / 1.5) / r;
     return normalize(vec3f(-slope, -1.0));
 }
 

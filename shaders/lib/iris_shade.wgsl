@@ -40,14 +40,13 @@ fn iris_path(thickness: f32, towards_z: f32, view_cosine: f32) -> f32 {
     return thickness * (0.5 / AQUEOUS_SLANT) * (1.0 / max(-towards_z, 0.35) + 1.0 / max(view_cosine, 0.35));
 }
 
-// Where a refracted ray meets the iris, what is there, how it is turned to the ray, and the same smoothed by as much as light
-// spreads; then what the ray passes: its path (mm) through the border layer, how far (mm) along it the middle of each segment of the
+// Where a refracted ray meets the iris, what is there, and the same smoothed by as much as light spreads, with how
+// that is turned; then what the ray passes: its path (mm) through the border layer, how far (mm) along it the middle of each segment of the
 // stroma is and how deep below the surface, the depth (mm below the border layer) at which the segment begins, and its length in tissue.
 struct IrisSurface {
     at: vec2f,
     place: IrisPlace,
     texel: IrisTexel,
-    normal: vec3f,
     direction: vec3f,
     lod: f32,
     smooth_texel: IrisTexel,
@@ -59,12 +58,6 @@ struct IrisSurface {
     lengths: vec3f,
 };
 
-// Path (mm) for each mm of depth along a direction whose cosine to the normal is `cosine`, in tissue whose surface is turned to
-// this normal.
-fn slanted(normal: vec3f, cosine: f32) -> f32 {
-    return -normal.z / max(cosine, 0.2);
-}
-
 // Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
 // in the map.
 fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, direction: vec3f, start: IrisPlace, footprint: f32) -> IrisSurface {
@@ -74,14 +67,13 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
     let moved = relief_march(map, polar, iris, start, direction, ceil(lod));
     let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
     let texel = iris_texel(map, polar, iris, place.uv, lod);
-    let normal = relief_normal(map, polar, iris, place, max(footprint, 0.012), lod);
     let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));
     let smooth_texel = iris_texel(map, polar, iris, place.uv, spread);
     let smooth_normal = relief_normal(map, polar, iris, place, max(footprint, IRIS_SPREAD_MM), spread);
 
     let down = max(direction.z, 0.35);
-    // By the normal, and as deep as it is there.
-    let level = BORDER_LAYER_MM * slanted(normal, -dot(normal, direction));
+    // As if the relief were level, and as deep as it is there.
+    let level = BORDER_LAYER_MM / down;
     let reached = down * level + iris_texel(map, polar, iris, iris_step(place, direction.xy * level), lod).height - texel.height;
     let first = level * clamp(BORDER_LAYER_MM / max(reached, 0.01), 0.5, 2.5);
     // A little further than to the back of what is there, as what lies behind may be thicker.
@@ -105,7 +97,7 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
         // Behind it lies the black epithelium.
         open *= clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0);
     }
-    return IrisSurface(point + moved, place, texel, normal, direction, lod, smooth_texel, smooth_normal, first, alongs, depths, begins, lengths);
+    return IrisSurface(point + moved, place, texel, direction, lod, smooth_texel, smooth_normal, first, alongs, depths, begins, lengths);
 }
 
 // Diffuse reflectance of tissue on the path of light that arrives with this z: of all light (`half` 0) or of what is scattered more

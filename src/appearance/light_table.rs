@@ -19,7 +19,7 @@ pub const REACH: f64 = 1.04;
 /// Cosine to the axis down to which a lamp behind the plane of the iris still lights it: it fades out
 /// until there. Light from further behind does reach the nasal rim of some irides; no lamp of a picture
 /// of an eye stands there.
-const FADE: f64 = 0.06;
+pub const FADE: f64 = 0.06;
 
 /// Places at which [`LightTableSettings::sky`] is known.
 pub const SKY_RADII: usize = 32;
@@ -93,11 +93,15 @@ pub struct IrisLight {
 }
 
 impl IrisLight {
-    /// Irradiance of the iris plane behind a limbus of this radius: light that would have to enter
-    /// outside it meets the sclera. The edge is as soft as the limbus itself.
+    /// Share of it that a limbus of this radius lets in: light that would have to enter outside it meets the sclera. The edge is as
+    /// soft as the limbus itself.
+    pub fn passes_limbus(&self, limbus_mm: f64) -> f64 {
+        smoothstep(limbus_mm + 0.5, limbus_mm - 0.3, self.entry_radius_mm)
+    }
+
+    /// Irradiance of the iris plane behind a limbus of this radius.
     pub fn irradiance(&self, limbus_mm: f64) -> f64 {
-        let share = smoothstep(limbus_mm + 0.5, limbus_mm - 0.3, self.entry_radius_mm);
-        self.unbounded_irradiance * share
+        self.unbounded_irradiance * self.passes_limbus(limbus_mm)
     }
 }
 

@@ -11,13 +11,17 @@ use crate::motion::engine::OculomotorState;
 use crate::percept::{Percept, PerceptFrame, ViewOptions};
 use crate::stage::{Head, Session, SessionCommand, Stage, StagePlugin};
 use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin};
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::{Hdr, RenderTarget};
 use bevy::log::LogPlugin;
+use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
     BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureDimension,
+    TextureFormat, TextureUsages,
 };
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
@@ -134,6 +138,51 @@ impl Headless {
         let stage = app.world().resource::<Stage>().clone();
         prepare(app.world_mut(), stage);
         Self::of(app)
+    }
+
+    /// The same, showing the eye alone, whose camera draws radiance (linear, under its exposure) into an image of half floats:
+    /// [`Headless::radiances`] reads it.
+    ///
+    /// # Errors
+    /// As [`Headless::new`].
+    pub fn with_radiance(
+        session: Session,
+        size: UVec2,
+    ) -> Result<(Self, Handle<Image>), HeadlessError> {
+        let mut image = Handle::default();
+        let sizes = [size, UVec2::ONE];
+        let headless = Self::prepared(session, sizes, [true, false], |world, stage| {
+            let size = Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: 1,
+            };
+            let format = TextureFormat::Rgba16Float;
+            let asset_usage = RenderAssetUsages::RENDER_WORLD;
+            let mut drawn = Image::new_uninit(size, TextureDimension::D2, format, asset_usage);
+            drawn.texture_descriptor.usage = TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_SRC
+                | TextureUsages::RENDER_ATTACHMENT;
+            image = world.resource_mut::<Assets<Image>>().add(drawn);
+            let target = RenderTarget::Image(image.clone().into());
+            world.entity_mut(stage.eye).insert((Hdr, target));
+        })?;
+        Ok((headless, image))
+    }
+
+    /// The radiances of [`Headless::with_radiance`]'s image, row by row.
+    ///
+    /// # Errors
+    /// Where the device does not hand it over.
+    pub fn radiances(&self, image: &Handle<Image>) -> Result<Vec<DVec3>, HeadlessError> {
+        let drawn = self.map(image, false)?;
+        let size = drawn.size();
+        let pixels = (0..size.element_product() as usize).map(|i| {
+            let at = DVec2::new((i % size.x as usize) as f64, (i / size.x as usize) as f64);
+            let [r, g, b, _] = drawn.sample((at + 0.5) / size, 0.0);
+            DVec3::new(r, g, b)
+        });
+        Ok(pixels.collect())
     }
 
     /// An app that was built with [`plugins`], drawn until its first frame is complete, at time 0.

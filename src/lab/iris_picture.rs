@@ -19,15 +19,11 @@ use crate::appearance::{
 };
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
-use crate::patients::{PatientFile, PupilSetting};
+use crate::patients::{FIELDS, PatientFile, PupilSetting};
 use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::stage::{PanelLight, Session};
-use bevy::asset::RenderAssetUsages;
-use bevy::camera::{Hdr, RenderTarget};
-use bevy::image::Image;
 use bevy::math::{DVec2, DVec3, UVec2};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 pub use seen::IrisPicture;
 use seen::SeenIris;
 use serde::Serialize;
@@ -85,24 +81,6 @@ pub struct IrisStage {
     time_s: f64,
 }
 
-fn radiance_image() -> Image {
-    let size = Extent3d {
-        width: SIDE,
-        height: SIDE,
-        depth_or_array_layers: 1,
-    };
-    let usages = RenderAssetUsages::RENDER_WORLD;
-    let mut image = Image::new_uninit(
-        size,
-        TextureDimension::D2,
-        TextureFormat::Rgba16Float,
-        usages,
-    );
-    image.texture_descriptor.usage =
-        TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC | TextureUsages::RENDER_ATTACHMENT;
-    image
-}
-
 /// Everything about an eye but its globe.
 type NotGlobe = Or<(
     With<MeshMaterial3d<SkinMaterial>>,
@@ -123,13 +101,7 @@ impl IrisStage {
             light: PanelLight::Studio(light),
             ..Session::new(patient.clone(), LoadedScene::Model(Box::new(scene)), 1)
         };
-        let mut image = Handle::default();
-        let sizes = [UVec2::splat(SIDE), UVec2::splat(16)];
-        let mut headless = Headless::prepared(session, sizes, [true, false], |world, stage| {
-            image = world.resource_mut::<Assets<Image>>().add(radiance_image());
-            let target = RenderTarget::Image(image.clone().into());
-            world.entity_mut(stage.eye).insert((Hdr, target));
-        })?;
+        let (mut headless, image) = Headless::with_radiance(session, UVec2::splat(SIDE))?;
         headless.set_quality(EyeQuality { msaa: Msaa::Off });
         let world = headless.world();
         let mut parts = world.query_filtered::<Entity, NotGlobe>();
@@ -180,13 +152,7 @@ impl IrisStage {
             self.headless.go_to(self.time_s);
             self.headless.warm_up()?;
         }
-        let drawn = self.headless.map(&self.image, false)?;
-        let pixel = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
-        let radiances = (0..SIDE * SIDE).map(|i| {
-            let [r, g, b, _] = drawn.sample(DVec2::new(pixel(i % SIDE), pixel(i / SIDE)), 0.0);
-            DVec3::new(r, g, b)
-        });
-        let radiances = radiances.collect();
+        let radiances = self.headless.radiances(&self.image)?;
         let picture = IrisPicture::of(&mut self.headless, UVec2::splat(SIDE))?;
         Ok((picture, radiances))
     }
@@ -341,6 +307,20 @@ pub fn compare(picture: &IrisPicture, drawn: &[DVec3]) -> PictureDifference {
     }
 }
 
+/// The patient without what an artist has changed and without an arcus, which lies before the iris.
+fn plain(patient: &PatientFile) -> PatientFile {
+    let (mut file, neutral) = (patient.clone(), PatientFile::default());
+    for field in FIELDS {
+        if field.name == "arcus" {
+            (field.set)(&mut file, 0.0);
+        } else if let Some(own) = (field.get)(&neutral).filter(|_| field.name.starts_with("look_"))
+        {
+            (field.set)(&mut file, own);
+        }
+    }
+    file
+}
+
 /// All views, pupils and lights of a patient's leading eye.
 ///
 /// # Errors
@@ -349,7 +329,7 @@ pub fn iris_pictures(patient: &PatientFile) -> Result<IrisPictures, HeadlessErro
     let (mut rows, mut device) = (Vec::new(), String::new());
     for light in LIGHTS {
         for pupil_mm in PUPILS_MM {
-            let mut file = patient.clone();
+            let mut file = plain(patient);
             file.pupil = PupilSetting::Fixed(pupil_mm);
             let mut stage = IrisStage::new(&file, light)?;
             device = stage.device();
@@ -371,6 +351,7 @@ pub fn iris_pictures(patient: &PatientFile) -> Result<IrisPictures, HeadlessErro
         notes: &[
             "Both are of the same eye: the maps, the lamps and the numbers are read back from the device.",
             "What is scattered more than once, the sky's light, what surfaces mirror and how lids shade are the shader's own terms in              both; measure tissue has what is scattered more than once beside random walks.",
+            "Without an artist's choices and an arcus.",
             "place: the iris in 16 tiles, each laid over the same by paths.",
         ],
         patient: patient.name.clone(),

@@ -11,6 +11,7 @@
 //! leaves out; it comes from differentiating Snell's law.
 
 use super::conicoid::conicoid_normal;
+use super::cornea::cornea_trace_single;
 use super::fermat::{FERMAT_STEPS, fermat_entry};
 use super::fresnel::fresnel_dielectric;
 use glam::{DMat2, DVec2, DVec3};
@@ -92,11 +93,36 @@ pub fn caustic_irradiance(iris_point: DVec3, light_dir: DVec3, surface: DVec2, n
     caustic_irradiance_at(entry.truncate(), light_dir, surface, n, iris_point.z)
 }
 
+/// Irradiance of the plane at depth `iris_z` where light of a lamp at `lamp` that enters at `entry` arrives, the lamp having an
+/// irradiance of one at a distance of `unit` mm: rays about that one, by their solid angle and where they land. A reference, not
+/// for pictures.
+pub fn near_irradiance(
+    lamp: DVec3,
+    entry: DVec3,
+    unit: f64,
+    surface: DVec2,
+    n: f64,
+    iris_z: f64,
+) -> f64 {
+    const STEP: f64 = 1e-5;
+    let middle = (entry - lamp).normalize_or(DVec3::Z);
+    let (u, v) = middle.any_orthonormal_pair();
+    let lands = |a: f64, b: f64| {
+        let dir = (middle + STEP * (a * u + b * v)).normalize();
+        let trace = cornea_trace_single(lamp, dir, surface, n, iris_z);
+        (trace.point, trace.transmittance)
+    };
+    let along = (lands(1.0, 0.0).0 - lands(-1.0, 0.0).0) / (2.0 * STEP);
+    let across = (lands(0.0, 1.0).0 - lands(0.0, -1.0).0) / (2.0 * STEP);
+    // unit² sr of intensity make an irradiance of one at that distance.
+    unit * unit * lands(0.0, 0.0).1 / along.cross(across).length().max(1e-9)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::optics::conicoid::conicoid_sag;
-    use crate::optics::cornea::{ANTERIOR_CORNEA, AQUEOUS_INDEX, cornea_trace_single};
+    use crate::optics::cornea::{ANTERIOR_CORNEA, AQUEOUS_INDEX};
     use crate::optics::refraction_function::domain::RefractionEye;
     use crate::optics::refraction_function::{RefractionFunction, RefractionSize};
     use rand::{RngExt, SeedableRng};

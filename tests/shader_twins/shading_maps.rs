@@ -195,7 +195,7 @@ fn draw_iris(rng: &mut Pcg64) -> Vec<f32> {
         between(rng, 5.0, 6.6),
         between(rng, 0.5, 4.5),
         between(rng, 5.0, 6.5),
-        1.0,
+        0.8,
         between(rng, -1.0, 1.0),
         between(rng, -1.0, 1.0),
     ];

@@ -71,6 +71,7 @@ export async function checkChoices(page) {
   });
   await check("the fundus shines red before a light along the lens's axis", async () => {
     const before = redShare(await shown("patient=healthy-blue&light=window&pupil_mm=7"));
+    assert(before < 0.02, `${before} is red already`);
     await shown("patient=healthy-blue&light=coaxial&pupil_mm=7", "coaxial.png");
     let red = 0;
     const reflex = await until(MOTION_LIMIT_S, async () => {

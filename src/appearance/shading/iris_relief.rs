@@ -15,7 +15,7 @@ pub struct IrisFrame {
     pub pupil: f64,
     /// Radius of the limbus, mm.
     pub limbus: f64,
-    /// How much of the relief's slope shows.
+    /// How many times as high as its own the relief is.
     pub relief: f64,
     /// Centre of the pupil, mm.
     pub center: DVec2,
@@ -75,7 +75,7 @@ pub fn iris_texel(map: &MapView, iris: &IrisFrame, uv: DVec2, lod: f64) -> IrisT
     let [thickness, melanin, height, furrow] =
         map.sample(DVec2::new(uv.x, uv.y.clamp(0.001, 0.999)), lod);
     IrisTexel {
-        height: height * iris.thicken - furrow * iris.furrows,
+        height: (height * iris.thicken - furrow * iris.furrows) * iris.relief,
         thickness: thickness * iris.thicken,
         melanin,
     }
@@ -107,7 +107,8 @@ pub fn relief_march(
 ) -> DVec2 {
     let slope = direction.truncate() / direction.z.max(0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
-    let (top, deepest) = (0.20 * iris.thicken, 0.40 * iris.thicken);
+    let top = 0.20 * iris.thicken * iris.relief.max(1.0);
+    let deepest = 2.0 * top;
     let texel = iris_texel_mm(map.size().y, lod, iris);
     let steps = (slope.length() * deepest / (2.0 * texel))
         .ceil()
@@ -147,7 +148,7 @@ pub fn relief_normal(
     let slope = DVec2::new(
         (right - left) / (2.0 * half_root),
         (upper - 0.5 * (left + right)) / 1.5,
-    ) * (iris.relief / r);
+    ) / r;
     (-slope).extend(-1.0).normalize()
 }
 

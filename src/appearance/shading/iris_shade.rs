@@ -53,8 +53,6 @@ pub struct IrisSurface {
     pub place: IrisPlace,
     /// What the map has there.
     pub texel: IrisTexel,
-    /// Normal of the relief.
-    pub normal: DVec3,
     /// Unit direction of the ray.
     pub direction: DVec3,
     /// Level of the map.
@@ -73,12 +71,6 @@ pub struct IrisSurface {
     pub begins: [f64; STROMA_SEGMENTS],
     /// Its length in tissue, mm.
     pub lengths: [f64; STROMA_SEGMENTS],
-}
-
-/// Path (mm) for each mm of depth along a direction whose cosine to the normal is `cosine`, in tissue whose
-/// surface is turned to this normal.
-pub fn slanted(normal: DVec3, cosine: f64) -> f64 {
-    -normal.z / cosine.max(0.2)
 }
 
 /// Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
@@ -100,7 +92,6 @@ pub fn iris_surface(
         ..*start
     };
     let texel = iris_texel(map, iris, place.uv, lod);
-    let normal = relief_normal(map, iris, &place, footprint.max(0.012), lod);
     let finest = iris_texel_mm(map.size().y, 0.0, iris);
     let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
     let smooth_texel = iris_texel(map, iris, place.uv, spread);
@@ -108,8 +99,8 @@ pub fn iris_surface(
     let smooth_normal = relief_normal(map, iris, &place, over, spread);
 
     let down = direction.z.max(0.35);
-    // By the normal, and as deep as it is there.
-    let level = BORDER_LAYER_MM * slanted(normal, -normal.dot(direction));
+    // As if the relief were level, and as deep as it is there.
+    let level = BORDER_LAYER_MM / down;
     let step = iris_step(&place, direction.truncate() * level);
     let reached = down * level + iris_texel(map, iris, step, lod).height - texel.height;
     let first = level * (BORDER_LAYER_MM / reached.max(0.01)).clamp(0.5, 2.5);
@@ -137,7 +128,6 @@ pub fn iris_surface(
         at: point + moved,
         place,
         texel,
-        normal,
         direction,
         lod,
         smooth_texel,

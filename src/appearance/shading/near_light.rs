@@ -75,7 +75,7 @@ pub fn iris_near_lamp(
 mod tests {
     use super::*;
     use crate::appearance::light_table::LightTableSettings;
-    use crate::optics::cornea::cornea_trace_single;
+    use crate::optics::caustic::near_irradiance;
 
     const EYE: LightTableSettings = LightTableSettings {
         surface: DVec2::new(7.8, 0.75),
@@ -98,25 +98,6 @@ mod tests {
             found = (from, light, exact.unbounded_irradiance);
         }
         found
-    }
-
-    /// Irradiance at `point` by a lamp that has one at a distance of `unit` mm: rays about the one that arrives, by their
-    /// solid angle and where they land.
-    fn irradiance(lamp: DVec3, enters: DVec3, unit: f64) -> f64 {
-        let middle = (enters - lamp).normalize();
-        let (u, v) = middle.any_orthonormal_pair();
-        let step = 1e-5;
-        let lands = |a: f64, b: f64| {
-            let dir = (middle + step * (a * u + b * v)).normalize();
-            let t = cornea_trace_single(lamp, dir, EYE.surface, EYE.index, EYE.iris_z);
-            (t.point, t.transmittance)
-        };
-        let (along, across) = (
-            (lands(1.0, 0.0).0 - lands(-1.0, 0.0).0) / (2.0 * step),
-            (lands(0.0, 1.0).0 - lands(0.0, -1.0).0) / (2.0 * step),
-        );
-        // unit² sr of intensity make an irradiance of one at that distance.
-        unit * unit * lands(0.0, 0.0).1 / along.cross(across).length()
     }
 
     /// A ring flash at its nearest, a penlight, a lamp on a table.
@@ -153,7 +134,8 @@ mod tests {
                             1.0 / away,
                         );
                         let across = (distance / away).powi(2) * concentrated;
-                        let wanted = irradiance(lamp, truth, distance);
+                        let (surface, n, depth) = (EYE.surface, EYE.index, EYE.iris_z);
+                        let wanted = near_irradiance(lamp, truth, distance, surface, n, depth);
                         let errors = [across * near, across].map(|found| found / wanted - 1.0);
                         off = off.max(errors[0].abs());
                         ignored = ignored.max(errors[1].abs());

@@ -3,7 +3,7 @@
 
 use super::seen::{IrisPicture, SeenIris};
 use crate::appearance::illumination::Lamp;
-use crate::appearance::light_table::LightTableSettings;
+use crate::appearance::light_table::{FADE, LightTableSettings};
 use crate::appearance::shading::iris_relief::{
     IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm,
 };
@@ -11,8 +11,7 @@ use crate::appearance::shading::iris_shade::{
     IRIS_SPREAD_MM, IrisSurface, STROMA_SEGMENTS, Scattered, iris_covered, iris_reflectance,
 };
 use crate::appearance::shading::near_light::light_entry;
-use crate::optics::cornea::cornea_trace_single;
-use crate::optics::smoothstep::smoothstep;
+use crate::optics::caustic::near_irradiance;
 use crate::tissue::iris_layers::{BUNDLE_SCALED_COSINE, BUNDLE_SIDEWAYS};
 use crate::tissue::iris_reflectance::BORDER_LAYER_MM;
 use crate::tissue::phase::{PHASE_ISOTROPIC, phase_henyey_greenstein, phase_rayleigh};
@@ -24,8 +23,6 @@ const MARCH_MM: f64 = 0.004;
 /// Steps (mm) along the view in the border layer, in the stroma, and of light on its way in.
 const FINE_MM: f64 = 0.004;
 const COARSE_MM: f64 = 0.01;
-/// Cosine to the axis down to which a lamp behind the plane of the iris fades out, as in its table.
-const FADE: f64 = 0.06;
 
 /// Light of a lamp at a place behind the cornea.
 struct Arriving {
@@ -80,7 +77,7 @@ impl IrisPicture {
         let height = |step: DVec2| self.texel(at + step, lod).height;
         let half = 0.5 * over_mm;
         let rise = |axis: DVec2| height(axis * half) - height(-axis * half);
-        let slope = DVec2::new(rise(DVec2::X), rise(DVec2::Y)) * (self.frame.relief / over_mm);
+        let slope = DVec2::new(rise(DVec2::X), rise(DVec2::Y)) / over_mm;
         (-slope).extend(-1.0).normalize()
     }
 
@@ -93,7 +90,6 @@ impl IrisPicture {
             at: over,
             place: iris_place(over, &self.frame),
             texel: self.texel(over, lod),
-            normal: self.normal(over, seen.footprint.max(0.012), lod),
             direction: seen.trace.direction,
             lod,
             smooth_texel: self.texel(over, spread),
@@ -137,12 +133,12 @@ impl IrisPicture {
                 }
                 let unit = 1.0 / f64::from(lamp.vergence);
                 let nearer = unit / place.distance(solved.2);
-                let on_plane = self.near_irradiance(place, solved.2, unit, p.z);
+                let on_plane =
+                    near_irradiance(place, solved.2, unit, settings.surface, settings.index, p.z);
                 (light, nearer, solved, on_plane)
             }
         };
-        let limbus = self.frame.limbus;
-        let inside = smoothstep(limbus + 0.5, limbus - 0.3, exact.entry_radius_mm);
+        let inside = exact.passes_limbus(self.frame.limbus);
         let fade = (1.0 - light.z / FADE).clamp(0.0, 1.0);
         let across = on_plane * inside * fade / (-towards.z).max(0.05);
         (across > 0.0).then_some(Arriving {
@@ -151,22 +147,6 @@ impl IrisPicture {
             enters,
             lamp: (light, nearer),
         })
-    }
-
-    /// Irradiance of the plane at depth `z` by a lamp that has one at a distance of `unit` mm, where its light that enters here
-    /// arrives: rays about it, by their solid angle and where they land.
-    fn near_irradiance(&self, lamp: DVec3, enters: DVec3, unit: f64, z: f64) -> f64 {
-        let middle = (enters - lamp).normalize();
-        let (u, v) = middle.any_orthonormal_pair();
-        let step = 1e-5;
-        let lands = |a: f64, b: f64| {
-            let dir = (middle + step * (a * u + b * v)).normalize();
-            let trace = cornea_trace_single(lamp, dir, self.anterior(), self.aqueous(), z);
-            (trace.point, trace.transmittance)
-        };
-        let along = (lands(1.0, 0.0).0 - lands(-1.0, 0.0).0) / (2.0 * step);
-        let across = (lands(0.0, 1.0).0 - lands(0.0, -1.0).0) / (2.0 * step);
-        unit * unit * lands(0.0, 0.0).1 / along.cross(across).length().max(1e-9)
     }
 
     /// What tissue at this depth below its surface takes from light, 1/mm; `None` behind its back.
