@@ -102,21 +102,35 @@ fi
 
 # ---- Build ----------------------------------------------------------------------------------
 
-# wasm-bindgen's two halves must agree to the letter.
+# wasm-bindgen's two halves must agree to the letter. It is built beside the program, which leaves a processor
+# idle at times, and optimised a little: it runs for seconds.
 bindgen_version=$(sed -n '/^name = "wasm-bindgen"$/{n;s/version = "\(.*\)"/\1/p}' Cargo.lock)
 bindgen=$web_target/tools/wasm-bindgen-$bindgen_version/bin/wasm-bindgen
-if has wasm-bindgen && [[ $(wasm-bindgen --version) == "wasm-bindgen $bindgen_version" ]]; then
-    bindgen=wasm-bindgen
-elif [[ ! -x $bindgen ]]; then
-    echo "building wasm-bindgen $bindgen_version, once"
-    install=(cargo install wasm-bindgen-cli --version "$bindgen_version" --quiet --no-default-features
+build_bindgen() {
+    local install=(env CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
+        CARGO_PROFILE_RELEASE_DEBUG=false cargo install wasm-bindgen-cli --version "$bindgen_version" --quiet --no-default-features
         --bin wasm-bindgen --root "${bindgen%/bin/*}" --target-dir "$web_target/tools/build")
     # Its own lockfile may name a release that was withdrawn since, or that a mirror does not have yet.
     "${install[@]}" --locked 2>/dev/null || "${install[@]}"
     rm -rf "$web_target/tools/build"
+}
+tool= # the process that builds it
+if has wasm-bindgen && [[ $(wasm-bindgen --version) == "wasm-bindgen $bindgen_version" ]]; then
+    bindgen=wasm-bindgen
+elif [[ ! -x $bindgen ]]; then
+    echo "building wasm-bindgen $bindgen_version, once"
+    set -m # in a process group of its own, so that all of it ends with this script
+    build_bindgen &
+    tool=$!
+    set +m
 fi
+trap '[[ -z $tool ]] || kill -- "-$tool" 2>/dev/null || true' EXIT
 
 "${cargo_build[@]}" --profile web --locked --bin ocularium --target "$wasm_target" --target-dir "$web_target"
+if [[ -n $tool ]]; then
+    wait "$tool" || fail "wasm-bindgen could not be built; cargo says why above."
+    tool=
+fi
 
 work=$web_target/page-work
 rm -rf "$work" && mkdir -p "$work"

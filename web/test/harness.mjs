@@ -36,13 +36,15 @@ export const tally = { passed: 0, failed: 0 };
 export const report = {};
 
 export async function check(name, body) {
+  const start = Date.now();
+  const seconds = () => ((Date.now() - start) / 1000).toFixed(1).padStart(6);
   try {
     await body();
     tally.passed += 1;
-    console.log(`ok    ${name}`);
+    console.log(`ok   ${seconds()} s  ${name}`);
   } catch (error) {
     tally.failed += 1;
-    console.log(`FAIL  ${name}: ${error.message}`);
+    console.log(`FAIL ${seconds()} s  ${name}: ${error.message}`);
   }
 }
 
