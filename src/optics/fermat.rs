@@ -21,10 +21,9 @@
 //! converges as far as it is conditioned. A distant source is the limit `1/distance = 0` of the same
 //! expressions, not a case of its own.
 //!
-//! [`descent`] holds the paper's Algorithm 1 as the baseline, [`two_surfaces`] the same problem
+//! [`descent`](super::reference::descent) holds the paper's Algorithm 1 as the baseline, [`two_surfaces`] the same problem
 //! through both surfaces of the cornea.
 
-pub mod descent;
 pub mod two_surfaces;
 
 use super::conicoid::{conicoid_normal, conicoid_sag};

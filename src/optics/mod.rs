@@ -34,6 +34,5 @@ pub mod root;
 pub mod schematic_eye;
 pub mod smoothstep;
 pub mod snell;
-pub mod stiles_crawford;
 pub mod surface;
 pub mod tear_film;

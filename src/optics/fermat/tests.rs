@@ -1,6 +1,6 @@
-use super::descent::{DescentSettings, fermat_gradient_descent};
 use super::*;
 use crate::optics::cornea::{ANTERIOR_CORNEA, AQUEOUS_INDEX};
+use crate::optics::reference::descent::{DescentSettings, fermat_gradient_descent};
 use crate::optics::refraction_function::domain::RefractionEye;
 use crate::optics::snell::snell_refract;
 use proptest::prelude::*;

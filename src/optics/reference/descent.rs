@@ -1,7 +1,7 @@
 //! Algorithm 1 of François et al. 2007: the baseline for accuracy and cost, not for use.
 
 use super::super::conicoid::{conicoid_intersect, conicoid_normal};
-use super::FermatSource;
+use super::super::fermat::FermatSource;
 use glam::{DVec2, DVec3};
 
 /// Where the straight line from the iris along `towards` leaves the eye.
