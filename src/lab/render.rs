@@ -2,6 +2,7 @@
 
 use super::frame_folder::{FrameFolder, REPORT};
 use super::headless::{Headless, HeadlessError, Which};
+use crate::anatomy::Laterality;
 use crate::appearance::EyeOrbit;
 use crate::frame::ledger::Work;
 pub use crate::frame::picture::encode_png;
@@ -76,8 +77,18 @@ pub struct RenderReport {
     pub arguments: Vec<String>,
     /// The patient's name.
     pub patient: String,
+    /// The eye that is drawn and that sees.
+    pub eye: Laterality,
     /// The scene's name.
     pub scene: String,
+    /// What the eye is lit by, as `--light` names it.
+    pub light: &'static str,
+    /// Where the camera before the eye stands: degrees to the patient's right and up.
+    pub orbit_deg: [f32; 2],
+    /// Its distance from the cornea, mm.
+    pub distance_mm: f32,
+    /// How much a corner of the view differs from its ring at least, 0 to 255.
+    pub threshold: u8,
     /// Panels in the picture.
     pub panel: PanelChoice,
     /// Width and height, pixels.
@@ -185,6 +196,7 @@ pub fn render(
     let started = Instant::now();
     let (sizes, shown) = layout(request.panels, request.size);
     let (patient, seed) = (session.patient.name.clone(), session.seed);
+    let (leading, light) = (session.patient.eye, session.light);
     let scene = session.scene.name().to_owned();
     let is_far = session.scene.is_far();
     // All of it stands before the first look: what the eye may look at is searched for but once.
@@ -248,7 +260,12 @@ pub fn render(
         version: env!("CARGO_PKG_VERSION"),
         arguments: request.arguments.clone(),
         patient,
+        eye: leading,
         scene,
+        light: light.name(),
+        orbit_deg: [request.orbit.azimuth_deg, request.orbit.elevation_deg],
+        distance_mm: request.orbit.distance_mm,
+        threshold: request.options.threshold,
         panel: request.panels,
         size_px: request.size.to_array(),
         seed,

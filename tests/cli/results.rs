@@ -2,7 +2,7 @@
 //! its reader goes away.
 
 use super::{Files, program, run, said, text};
-use crate::stage::alone;
+use crate::stage::turn;
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use ocularium::percept::fast;
 use std::fs;
@@ -99,7 +99,7 @@ fn a_reader_that_goes_away_is_no_error() {
 
 #[test]
 fn render_leaves_whole_files_and_nothing_else() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let out = files.name("deep/out");
     let arguments = [
@@ -141,6 +141,14 @@ fn render_leaves_whole_files_and_nothing_else() {
     let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
     assert_eq!((&report["frames"], &report["seed"]), (&2.into(), &1.into()));
     assert_eq!(report["size_px"], serde_json::json!([64, 32]));
+    assert_eq!(
+        (&report["eye"], &report["light"]),
+        (&"OD".into(), &"window".into())
+    );
+    assert_eq!(
+        (&report["orbit_deg"], &report["distance_mm"]),
+        (&serde_json::json!([0.0, 0.0]), &93.0.into())
+    );
     // The first frame was there before the clock began; one that was drawn has a time.
     assert!(report["frame_ms_median"].as_f64().expect("a time") > 0.0);
     assert_eq!(report["frame_ms_mean"], report["frame_ms_max"]);
@@ -167,4 +175,49 @@ fn render_leaves_whole_files_and_nothing_else() {
     let output = run(&[&arguments[..6], &["0.05"][..], &arguments[7..]].concat());
     assert!(output.status.success() && !left.exists() && own.exists());
     assert!(!files.path("deep/out/.ocularium-lock").exists());
+}
+
+/// The way of a head that comes with the program moves the view, from where the scene puts it.
+#[test]
+fn a_head_path_moves_the_view() {
+    let _turn = turn();
+    let files = Files::new();
+    let out = files.name("out");
+    let frames = |path: &[&str]| {
+        let arguments = [
+            "render",
+            "--panel",
+            "view",
+            "--size",
+            "64x64",
+            "--seconds",
+            "2",
+            "--fps",
+            "1",
+            "--seed",
+            "2",
+            "--out",
+            &out,
+        ];
+        let output = run(&[&arguments[..], path].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        [0, 1].map(|frame| {
+            let picture = files.path(&format!("out/frame_{frame:05}.png"));
+            image::open(picture).expect("a frame").to_rgb8().into_raw()
+        })
+    };
+    let apart = |one: &[u8], other: &[u8]| {
+        let sum: u64 = one
+            .iter()
+            .zip(other)
+            .map(|(a, b)| u64::from(a.abs_diff(*b)))
+            .sum();
+        sum as f64 / one.len() as f64
+    };
+    let ([start, walked], [stood, later]) = (frames(&["--head-path", "walk"]), frames(&[]));
+    let (begins, ends) = (apart(&start, &stood), apart(&walked, &later));
+    assert!(
+        begins < 0.5 && ends > 5.0,
+        "{begins} at the beginning, {ends} after a second"
+    );
 }

@@ -2,7 +2,7 @@
 
 use crate::anatomy::Laterality;
 use crate::input_file::one_clause;
-use crate::patients::PatientFile;
+use crate::patients::{FIELDS, PatientFile};
 
 /// As on a prescription: signed, with the axis where there is one.
 fn prescription(eye: &PatientFile) -> String {
@@ -21,6 +21,42 @@ fn prescription(eye: &PatientFile) -> String {
     )
 }
 
+/// What is said in words of its own.
+const SAID: [&str; 4] = ["age_years", "sphere_d", "cylinder_d", "axis_deg"];
+
+/// The numbers of a file whose eyes are alike that are not those of a file without them, of one eye or shared by
+/// both, by name.
+fn unusual(eye: &PatientFile, per_eye: bool) -> Vec<String> {
+    let usual = PatientFile::default();
+    let numbers = FIELDS.iter().filter(|field| {
+        field.index == 0 && field.per_eye == per_eye && !SAID.contains(&field.name)
+    });
+    let mut said = Vec::new();
+    for number in numbers {
+        // Both of a pair are said together.
+        let fields: Vec<_> = FIELDS
+            .iter()
+            .filter(|field| field.name == number.name)
+            .collect();
+        if fields
+            .iter()
+            .all(|field| (field.get)(eye) == (field.get)(&usual))
+        {
+            continue;
+        }
+        let values: Vec<_> = fields
+            .iter()
+            .filter_map(|field| (field.get)(eye))
+            .map(|value| value.to_string())
+            .collect();
+        if !values.is_empty() {
+            let text = format!("{} {} {}", number.name, values.join(" and "), number.unit);
+            said.push(text.trim_end().to_owned());
+        }
+    }
+    said
+}
+
 /// What there is to say of a sound patient file: who it is, what either eye has, and what comes otherwise
 /// than written.
 pub(super) fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
@@ -28,17 +64,17 @@ pub(super) fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
         Laterality::OD => "right",
         Laterality::OS => "left",
     };
+    let mut person = vec![format!("{} years", patient.age_years)];
+    person.extend(unusual(patient, false));
     let mut lines = vec![format!(
-        "{file} is sound: {}, {} years; the {leading} eye leads.",
+        "{file} is sound: {}, {}; the {leading} eye leads.",
         one_clause(&patient.name),
-        patient.age_years
+        person.join("; ")
     )];
     for (name, eye) in [("right", Laterality::OD), ("left", Laterality::OS)] {
         let own = patient.of_eye(eye);
         let mut parts = vec![prescription(&own), format!("{:?} iris", own.iris_color)];
-        if own.lid_opening != 1.0 {
-            parts.push(format!("lids open to {} of usual", own.lid_opening));
-        }
+        parts.extend(unusual(&own, true));
         parts.extend(
             own.condition_captions()
                 .into_iter()
@@ -53,4 +89,50 @@ pub(super) fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
             .map(|remark| format!("{remark}.")),
     );
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patients::parse_patient;
+
+    #[test]
+    fn every_number_that_is_not_the_usual_one_is_said_once() {
+        let said = |text: &str| {
+            let patient = parse_patient(text, "ann.ron").expect("sound");
+            checked(&patient, "ann.ron").join("\n")
+        };
+        let plain = said("(name: \"Ann\")");
+        assert!(
+            plain.contains("ann.ron is sound: Ann, 30 years; the right eye leads.")
+                && plain.contains("right eye: +0.00 D sphere; Brown iris.")
+        );
+        let most = said(
+            "(name: \"Ann\", voxel_mm: 5, redness: 0.4, angle_alpha_deg: (5.45, 3.0), left: (arcus: 0.5, sphere_d: -2))",
+        );
+        for (words, times) in [
+            ("voxel_mm 5 mm", 1),
+            ("redness 0.4", 2),
+            ("angle_alpha_deg 5.45 and 3 °", 2),
+            ("arcus 0.5", 1),
+            ("−2.00 D sphere", 1),
+            ("sphere_d", 0),
+        ] {
+            assert_eq!(most.matches(words).count(), times, "{words}: {most}");
+        }
+        // A field that nobody listed here is said too.
+        let usual = PatientFile::default();
+        for field in FIELDS.iter().filter(|field| !SAID.contains(&field.name)) {
+            let mut patient = usual.clone();
+            let (low, high) = field.range;
+            let other = if (field.get)(&usual) == Some(high) {
+                low
+            } else {
+                high
+            };
+            (field.set)(&mut patient, other);
+            let lines = checked(&patient, "ann.ron").join("\n");
+            assert!(lines.contains(field.name), "{}: {lines}", field.name);
+        }
+    }
 }
