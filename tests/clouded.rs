@@ -1,6 +1,6 @@
 //! Clouded lenses in both panels: as grey and yellow from outside, and as yellow inside, as their media say.
 
-use crate::stage::{alone, look, open, patient, session, settle, without_blinks};
+use crate::stage::{look, open, patient, session, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use bevy::math::Vec3;
 use image::RgbaImage;
@@ -110,7 +110,7 @@ fn middle_of_the_dark(picture: &RgbaImage) -> [u32; 2] {
 
 #[test]
 fn the_fundus_shines_through_a_clear_lens_and_clouds_stand_dark_before_it() {
-    let _alone = alone();
+    let _turn = turn();
     let shown = |light: &str, cataract| {
         let mut headless = opened_in(light);
         let ([picture, _], _) = clouded(&mut headless, cataract);
@@ -139,7 +139,7 @@ fn the_fundus_shines_through_a_clear_lens_and_clouds_stand_dark_before_it() {
 
 #[test]
 fn a_clouded_nucleus_is_grey_then_yellow_in_the_pupil() {
-    let _alone = alone();
+    let _turn = turn();
     let mut headless = opened();
     let ([healthy, _], _) = clouded(&mut headless, None);
     let place = pupil(&healthy);
@@ -178,7 +178,7 @@ fn a_clouded_nucleus_is_grey_then_yellow_in_the_pupil() {
 
 #[test]
 fn the_view_is_as_yellow_as_the_lens() {
-    let _alone = alone();
+    let _turn = turn();
     let mut headless = opened();
     let mean = |picture: &RgbaImage| color_at(picture, [80, 80], 70);
     let ([_, clear], _) = clouded(&mut headless, None);
@@ -215,7 +215,7 @@ fn the_view_is_as_yellow_as_the_lens() {
 /// Clouded media scatter light before the retina, and what sees nothing sees no veil either.
 #[test]
 fn a_blind_field_sees_no_veil() {
-    let _alone = alone();
+    let _turn = turn();
     let mut headless = opened();
     let mean = |picture: &RgbaImage| {
         let [w, h] = [picture.width() / 2, picture.height() / 2];

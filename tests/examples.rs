@@ -1,6 +1,6 @@
 //! The examples, run as they stand, without a window.
 
-use crate::stage::{alone, mean};
+use crate::stage::{mean, turn};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -15,10 +15,11 @@ fn example(name: &str) -> PathBuf {
         .with_extension(std::env::consts::EXE_EXTENSION)
 }
 
-fn pictures(name: &str) -> Vec<image::RgbaImage> {
+fn pictures(name: &str, count: usize) -> Vec<image::RgbaImage> {
     let out = tempfile::tempdir().expect("a folder");
     let said = Command::new(example(name))
-        .args(["--frames", "3", "--fps", "2", "--size", "320x160", "--out"])
+        .args(["--frames", &count.to_string()])
+        .args(["--fps", "2", "--size", "320x160", "--out"])
         .arg(out.path())
         .output()
         .unwrap_or_else(|error| panic!("{name}: {error}; cargo test builds the examples"));
@@ -27,7 +28,7 @@ fn pictures(name: &str) -> Vec<image::RgbaImage> {
         "{name}: {}",
         String::from_utf8_lossy(&said.stderr)
     );
-    (0..3)
+    (0..count)
         .map(|frame| {
             let file = out.path().join(format!("frame_{frame:05}.png"));
             image::open(file).expect("a frame").to_rgba8()
@@ -47,18 +48,68 @@ fn apart(one: &image::RgbaImage, other: &image::RgbaImage) -> f64 {
 
 #[test]
 fn every_example_shows_something_that_moves() {
-    let _alone = alone();
+    let _turn = turn();
     for name in ["sees_as", "eye_in_my_scene"] {
-        let frames = pictures(name);
+        let frames = pictures(name, 3);
         assert!(mean(&frames[0]) > 10.0, "{name} is dark");
         assert!(apart(&frames[0], &frames[2]) > 0.5, "{name} stands still");
     }
 }
 
+/// Root mean square step of brightness between neighbouring pixels over the mean brightness: blur makes one large
+/// step many small ones.
+fn contrast(picture: &image::RgbaImage) -> f64 {
+    let grey = image::imageops::grayscale(picture);
+    let (mut steps, mut sum) = (0.0, 0.0);
+    for (x, y, pixel) in grey.enumerate_pixels() {
+        sum += f64::from(pixel[0]);
+        if x > 0 {
+            steps += f64::from(pixel[0].abs_diff(grey.get_pixel(x - 1, y)[0])).powi(2);
+        }
+    }
+    let count = grey.len() as f64;
+    (steps / count).sqrt() / (sum / count)
+}
+
+/// Somebody who grows short-sighted by 3 D loses the room's edges as she forgets how sharp they were.
+#[test]
+fn whoever_grows_short_sighted_loses_the_edges() {
+    let _turn = turn();
+    let found: Vec<f64> = pictures("sees_as", 10).iter().map(contrast).collect();
+    println!("{found:.4?}");
+    assert!(
+        found[9] < 0.6 * found[0] && found[9] < found[4],
+        "{found:?}"
+    );
+}
+
+/// In the middle of the picture an eye stands: a dark pupil, blue around it, and white beside the blue.
+#[test]
+fn the_eye_stands_in_the_scene() {
+    let _turn = turn();
+    let frames = pictures("eye_in_my_scene", 1);
+    let picture = &frames[0];
+    let count = |is: fn([f64; 3]) -> bool| {
+        let middle = image::imageops::crop_imm(picture, 60, 20, 200, 120).to_image();
+        middle
+            .pixels()
+            .filter(|pixel| is([pixel[0], pixel[1], pixel[2]].map(f64::from)))
+            .count()
+    };
+    let dark = count(|[r, g, b]| r.max(g).max(b) < 30.0);
+    let blue = count(|[r, _, b]| b > 1.1 * r && b > 50.0);
+    let white = count(|[r, g, b]| r > 100.0 && b > 0.6 * r && (r - g).abs() < 0.25 * r);
+    println!("{dark} dark, {blue} blue, {white} white");
+    assert!(
+        dark > 50 && blue > 200 && white > 200,
+        "{dark} dark, {blue} blue, {white} white"
+    );
+}
+
 #[test]
 fn two_patients_see_the_same_room_differently() {
-    let _alone = alone();
-    let frames = pictures("two_patients");
+    let _turn = turn();
+    let frames = pictures("two_patients", 3);
     let half = |left: u32| image::imageops::crop_imm(&frames[2], left, 0, 160, 160).to_image();
     let (before, after) = (half(0), half(160));
     assert!(mean(&before) > 10.0 && mean(&after) > 5.0);

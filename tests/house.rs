@@ -147,7 +147,7 @@ fn the_library_without_features_is_mathematics() {
 /// The README's table of a patient file is that of the program.
 #[test]
 fn the_readme_knows_every_field_of_a_patient_file() {
-    use ocularium::patients::{CONDITIONS, FIELDS, PRESETS};
+    use ocularium::patients::{CONDITIONS, FIELDS, PRESETS, PatientFile};
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
     let readme = fs::read_to_string(readme).expect("the README");
     let row = |name: &str| {
@@ -161,6 +161,22 @@ fn the_readme_knows_every_field_of_a_patient_file() {
         let (low, high) = field.range;
         let range = format!("{} to {}", shown(low), shown(high));
         assert!(row(field.name).contains(&range), "{}: {range}", field.name);
+        // What it is without the file's word; a pair stands in its own brackets.
+        let usual = row(field.name).split('|').nth(3).unwrap_or_default().trim();
+        match (field.get)(&PatientFile::default()) {
+            Some(value) => {
+                let mut numbers = usual
+                    .trim_matches(|c| "`()".contains(c))
+                    .split(',')
+                    .map(str::trim);
+                let number = numbers
+                    .nth(field.index)
+                    .unwrap_or_default()
+                    .replace('−', "-");
+                assert_eq!(number.parse(), Ok(value), "{}: {usual}", field.name);
+            }
+            None => assert!(usual.parse::<f64>().is_err(), "{}: {usual}", field.name),
+        }
         if !field.unit.is_empty() {
             assert!(
                 row(field.name).contains(field.unit),

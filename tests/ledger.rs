@@ -1,6 +1,6 @@
 //! What is hidden, paused or absent costs nothing: proved by the ledger of work.
 
-use crate::stage::{alone, look, open, patient, session, settle};
+use crate::stage::{look, open, patient, session, settle, turn};
 use bevy::math::UVec2;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
 use bevy::shader::ShaderDefVal;
@@ -81,7 +81,7 @@ impl Run {
 
 #[test]
 fn what_is_hidden_paused_or_unchanged_costs_nothing() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(96);
     let headless = open(
         session(patient("healthy-brown"), 5),
@@ -310,7 +310,7 @@ fn glaucoma_runs_only_for_who_has_it(run: &mut Run) {
 
 #[test]
 fn the_field_holds_what_is_seen_and_not_the_rooms_volume() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(96);
     let session = session(patient("healthy-brown"), 5);
     let mut headless = open(session, UVec2::splat(16), size, [false, true]);

@@ -1,7 +1,7 @@
 //! What a model's file says of light and surfaces, as the view shows it.
 
 use crate::percept_gpu::photo_session;
-use crate::stage::{alone, open, patient, settle, without_blinks};
+use crate::stage::{open, patient, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::patients::{PatientFile, PupilSetting};
@@ -82,7 +82,7 @@ fn assert_near(found: [f64; 3], wanted: [f64; 3], what: &str) {
 
 #[test]
 fn what_shines_has_the_luminance_that_its_file_says() {
-    let _alone = alone();
+    let _turn = turn();
     let mut headless = app();
     let black = json!({"baseColorFactor": [0, 0, 0, 1], "roughnessFactor": 1, "metallicFactor": 1});
     for (strength, factor) in [(1.0, [1.0, 0.5, 0.25]), (10.0, [0.6, 1.0, 0.1])] {
@@ -121,7 +121,7 @@ fn what_shines_has_the_luminance_that_its_file_says() {
 
 #[test]
 fn each_texture_lies_as_it_says() {
-    let _alone = alone();
+    let _turn = turn();
     let mut headless = app();
     // Green in its last quarter and red elsewhere: as base colour, and as emission over a base colour
     // that lies otherwise.
@@ -152,7 +152,7 @@ fn each_texture_lies_as_it_says() {
 
 #[test]
 fn a_sun_closes_the_pupil_and_blanks_nothing() {
-    let _alone = alone();
+    let _turn = turn();
     let scene = model(&file("sun_68300_lux.gltf"));
     let session = photo_session(LoadedScene::Model(Box::new(scene)), patient("healthy-blue"));
     let mut headless = open(session, UVec2::splat(16), UVec2::splat(64), [false, true]);

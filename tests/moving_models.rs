@@ -2,7 +2,7 @@
 
 use crate::people::difference;
 use crate::percept_gpu::photo_session;
-use crate::stage::{alone, open, patient, settle, without_blinks};
+use crate::stage::{open, patient, settle, turn, without_blinks};
 use bevy::math::{Quat, UVec2};
 use image::RgbaImage;
 use ocularium::lab::headless::{Headless, Which};
@@ -208,7 +208,7 @@ fn seen_at(headless: &mut Headless, time_s: f64) -> RgbaImage {
 /// should.
 #[test]
 fn each_moment_of_an_animation_is_where_its_key_frames_put_it() {
-    let _alone = alone();
+    let _turn = turn();
     for is_lit in [false, true] {
         let moving = model(None, is_lit);
         assert!(moving.remarks.is_empty(), "{:?}", moving.remarks);
@@ -246,7 +246,7 @@ fn each_moment_of_an_animation_is_where_its_key_frames_put_it() {
 
 #[test]
 fn a_moving_model_is_captured_as_it_moves_and_not_when_time_stands() {
-    let _alone = alone();
+    let _turn = turn();
     // Another shape, or one that is turned inside out, is another mesh, which takes a frame more to be there.
     let (mut json, bytes) = file(None, false);
     let channels = json["animations"][0]["channels"].as_array_mut();

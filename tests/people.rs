@@ -1,6 +1,6 @@
 //! People in a world of one's own: eyes as entities, views on cameras, all of it changed as it runs.
 
-use crate::stage::{alone, look, mean, open, patient, session, settle, without_blinks};
+use crate::stage::{look, mean, open, patient, session, settle, turn, without_blinks};
 use bevy::app::App;
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Hdr, RenderTarget};
@@ -11,6 +11,7 @@ use ocularium::OculariumPlugins;
 use ocularium::anatomy::{Accommodation, VisualField};
 use ocularium::frame::panel::target_image;
 use ocularium::lab::headless::{Headless, Which, plugins};
+use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 
@@ -86,7 +87,7 @@ pub fn seen(headless: &mut Headless, camera: Entity) -> RgbaImage {
 
 #[test]
 fn a_view_of_nobody_stops_no_clock() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, cameras, _) = world(2);
     headless.go_to(0.1);
     // One of two sees as nobody from now on; then both do, in a world of its own.
@@ -115,7 +116,7 @@ fn a_view_of_nobody_stops_no_clock() {
 
 #[test]
 fn four_views_of_a_still_scene_cost_four_pictures_and_no_capture() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, cameras, thing) = world(4);
     headless.go_to(0.1);
     headless.go_to(0.2);
@@ -183,7 +184,7 @@ fn four_views_of_a_still_scene_cost_four_pictures_and_no_capture() {
 
 #[test]
 fn a_view_is_taken_again_when_only_the_lens_of_an_eye_in_it_changes() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(1);
     let bob = headless
         .world()
@@ -232,7 +233,7 @@ pub fn difference(one: &RgbaImage, other: &RgbaImage) -> f64 {
 /// had been forgotten.
 #[test]
 fn what_is_remembered_is_there_when_the_head_comes_back() {
-    let _alone = alone();
+    let _turn = turn();
     let view = UVec2::splat(320);
     let mut headless = open(
         session(patient("healthy-brown"), 3),
@@ -291,6 +292,30 @@ fn what_is_remembered_is_there_when_the_head_comes_back() {
         back < 0.1 * forgotten && forgotten > 1.0,
         "{back} when it comes back, {forgotten} when it is forgotten"
     );
+}
+
+/// Both panels four seconds on, when what is slow, a pupil, has had its time. Through an eye that is not whole
+/// nobody sees, and no view comes.
+fn pictures_later(headless: &mut Headless, is_whole: bool) -> [RgbaImage; 2] {
+    for _ in 0..2 {
+        let now = headless.world().resource::<SimulationClock>().time_s;
+        headless.go_to(now + 2.0);
+    }
+    if is_whole {
+        settle(headless);
+    }
+    [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
+}
+
+/// The right eye of whoever is on the stage.
+fn right_eye(headless: &mut Headless) -> Entity {
+    let world = headless.world();
+    world
+        .query_filtered::<(Entity, &Eye), With<EyeOf>>()
+        .iter(world)
+        .find(|(_, eye)| eye.laterality == Laterality::OD)
+        .map(|(entity, _)| entity)
+        .expect("a right eye")
 }
 
 /// Which panels a change must show in: (eye, view).
@@ -530,8 +555,8 @@ const CHANGES: &[Change] = &[
 
 #[test]
 fn both_panels_follow_every_component() {
-    let _alone = alone();
-    let size = UVec2::splat(160);
+    let _turn = turn();
+    let size = UVec2::splat(112);
     let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
     settle(&mut headless);
     without_blinks(&mut headless);
@@ -539,32 +564,13 @@ fn both_panels_follow_every_component() {
     headless.go_to(0.5);
     headless.go_to(4.0);
     let patient = headless.stage().patient;
-    let pictures = |headless: &mut Headless| {
-        settle(headless);
-        // What is slow, a pupil, is given its time; then everything stands.
-        [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
-    };
-    let mut time_s = 4.0;
-    let mut wait = |headless: &mut Headless| {
-        for _ in 0..4 {
-            time_s += 1.0;
-            headless.go_to(time_s);
-        }
-        pictures(headless)
-    };
-    let mut before = wait(&mut headless);
+    let mut before = pictures_later(&mut headless, true);
     for (name, change, shows) in CHANGES {
-        let eye = headless
-            .world()
-            .query_filtered::<(Entity, &Eye), With<EyeOf>>()
-            .iter(headless.world())
-            .find(|(_, eye)| eye.laterality == Laterality::OD)
-            .map(|(entity, _)| entity)
-            .expect("a right eye");
+        let eye = right_eye(&mut headless);
         // Time alone changes the pictures: pupils are never at rest.
-        let control = wait(&mut headless);
+        let control = pictures_later(&mut headless, true);
         change(headless.world(), eye, patient);
-        let after = wait(&mut headless);
+        let after = pictures_later(&mut headless, true);
         for panel in 0..2 {
             let by_itself = difference(&before[panel], &control[panel]);
             let found = difference(&control[panel], &after[panel]);
@@ -658,8 +664,8 @@ const REMOVALS: &[Removal] = &[
 /// what they showed.
 #[test]
 fn every_component_may_go_and_come_back() {
-    let _alone = alone();
-    let size = UVec2::splat(160);
+    let _turn = turn();
+    let size = UVec2::splat(112);
     let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
     settle(&mut headless);
     without_blinks(&mut headless);
@@ -667,31 +673,13 @@ fn every_component_may_go_and_come_back() {
     headless.go_to(0.5);
     headless.go_to(4.0);
     let patient = headless.stage().patient;
-    let mut time_s = 4.0;
-    let mut wait = |headless: &mut Headless, is_whole: bool| {
-        for _ in 0..4 {
-            time_s += 1.0;
-            headless.go_to(time_s);
-        }
-        // Through an eye that is not whole nobody sees, and no view comes.
-        if is_whole {
-            settle(headless);
-        }
-        [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
-    };
     for (name, remove, shows) in REMOVALS {
-        let eye = headless
-            .world()
-            .query_filtered::<(Entity, &Eye), With<EyeOf>>()
-            .iter(headless.world())
-            .find(|(_, eye)| eye.laterality == Laterality::OD)
-            .map(|(entity, _)| entity)
-            .expect("a right eye");
-        let before = wait(&mut headless, true);
+        let eye = right_eye(&mut headless);
+        let before = pictures_later(&mut headless, true);
         let put_back = remove(headless.world(), eye, patient);
-        let without = wait(&mut headless, false);
+        let without = pictures_later(&mut headless, false);
         put_back(headless.world());
-        let after = wait(&mut headless, true);
+        let after = pictures_later(&mut headless, true);
         for panel in 0..2 {
             let shown = ["eye", "view"][panel];
             let gone = difference(&before[panel], &without[panel]);
@@ -709,10 +697,79 @@ fn every_component_may_go_and_come_back() {
     }
 }
 
+/// Components of somebody with clouded lenses, a lost field, an artist's irises and wide pupils, and which
+/// panels show that they are gone.
+const UNUSUAL: &[Removal] = &[
+    ("Look", |w, eye, _| take::<Look>(w, eye), [true, false]),
+    (
+        "PupilControl",
+        |w, _, patient| take::<PupilControl>(w, patient),
+        [true, true],
+    ),
+    (
+        "VisualField",
+        |w, eye, _| take::<VisualField>(w, eye),
+        [false, true],
+    ),
+    (
+        "OcularMedia",
+        |w, eye, _| take::<OcularMedia>(w, eye),
+        [true, true],
+    ),
+    ("Lens", |w, eye, _| take::<Lens>(w, eye), [false, true]),
+];
+
+/// What somebody has otherwise than usual is gone with its component, and back with it.
+#[test]
+fn what_is_unusual_goes_with_its_component() {
+    let _turn = turn();
+    let size = UVec2::splat(112);
+    let somebody = PatientFile {
+        cataract: Some(Cataract {
+            nuclear: 5.0,
+            subcapsular: 4.0,
+            ..Cataract::default()
+        }),
+        glaucoma: Some(GlaucomaStage::Severe.into()),
+        accommodation_amplitude_d: Some(0.0),
+        look_iris_brightness: 3.0,
+        pupil: PupilSetting::Fixed(2.0),
+        ..patient("healthy-brown")
+    };
+    let mut headless = open(session(somebody, 3), size, size, [true; 2]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, 0.0, 0.0, 0.3);
+    headless.go_to(0.5);
+    headless.go_to(4.0);
+    let patient = headless.stage().patient;
+    for (name, remove, shows) in UNUSUAL {
+        let eye = right_eye(&mut headless);
+        let before = pictures_later(&mut headless, true);
+        let put_back = remove(headless.world(), eye, patient);
+        let without = pictures_later(&mut headless, true);
+        put_back(headless.world());
+        let after = pictures_later(&mut headless, true);
+        for panel in 0..2 {
+            let shown = ["eye", "view"][panel];
+            let gone = difference(&before[panel], &without[panel]);
+            let back = difference(&before[panel], &after[panel]);
+            println!("{name:14} {shown:4} without it {gone:7.3}, with it again {back:.3}");
+            if shows[panel] {
+                assert!(
+                    gone > 0.3 + 2.0 * back,
+                    "{name}: the {shown} differs by {gone}"
+                );
+            }
+            assert!(back < 0.6, "{name}: the {shown} differs by {back}");
+        }
+    }
+}
+
 /// Two people, one of whom is far older, move by the same clock, and their eyes meet on what they look at.
 #[test]
 fn the_eyes_of_a_person_meet_where_she_looks() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(1);
     headless
         .world()

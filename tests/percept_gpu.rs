@@ -1,7 +1,7 @@
 //! The view's pipeline in the real app, on photographs whose every pixel is known: corners and
 //! vergences as they come back, memory of what was seen sharply, and what glaucoma takes.
 
-use crate::stage::{alone, engine, look, luma_at, open, patient, settle, without_blinks};
+use crate::stage::{engine, look, luma_at, open, patient, settle, turn, without_blinks};
 use bevy::math::{UVec2, Vec2};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, RgbaImage};
 use ocularium::anatomy::Laterality;
@@ -66,7 +66,7 @@ pub fn photo(
 
 #[test]
 fn corners_and_vergences_of_a_photograph_are_exact() {
-    let _alone = alone();
+    let _turn = turn();
     let (width, height) = (160, 96);
     let folder = tempfile::tempdir().expect("a folder");
     let (photo, depth) = (
@@ -206,7 +206,7 @@ impl Run {
 
 #[test]
 fn what_was_seen_sharply_stays_until_a_blink_and_what_glaucoma_takes_is_missing() {
-    let _alone = alone();
+    let _turn = turn();
     // The left half stands at 0.25 m (4 D), the right half infinitely far; 20° are 160 pixels, so
     // that 4 D through 6 mm blur a point over 11 pixels.
     let image = DynamicImage::ImageLuma8(plates(160, 160, 9));

@@ -1,6 +1,6 @@
 //! A photograph from where the head has gone: what is seen where, against exact geometry.
 
-use crate::stage::{alone, open, patient, settle, without_blinks};
+use crate::stage::{open, patient, settle, turn, without_blinks};
 use bevy::math::{DMat3, DVec2, DVec3, UVec2};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::patients::PupilSetting;
@@ -159,7 +159,7 @@ fn faults(headless: &Headless, head: &Head) -> (f64, f64) {
 
 #[test]
 fn a_photograph_with_distances_is_seen_from_where_the_head_goes() {
-    let _alone = alone();
+    let _turn = turn();
     let headless = see(photograph(card_before_wall()), MOVED);
     let (wrong, colour) = faults(&headless, &MOVED);
     println!(
@@ -177,7 +177,7 @@ fn a_photograph_with_distances_is_seen_from_where_the_head_goes() {
 
 #[test]
 fn a_flat_photograph_keeps_its_distance() {
-    let _alone = alone();
+    let _turn = turn();
     let headless = see(photograph(PhotoDepth::Constant(2.0)), MOVED);
     let (eye, axes) = pose(&MOVED);
     let vergences = &headless.percept().captured().vergence_d;
@@ -211,7 +211,7 @@ fn a_flat_photograph_keeps_its_distance() {
 /// What is infinitely far stands still wherever the head goes, and a near thing before it does not.
 #[test]
 fn an_infinitely_far_background_stands_behind_what_is_near() {
-    let _alone = alone();
+    let _turn = turn();
     let PhotoDepth::Map(mut distances) = card_before_wall() else {
         panic!("a map");
     };
@@ -252,7 +252,7 @@ fn an_infinitely_far_background_stands_behind_what_is_near() {
 /// Who steps back farther than a photograph is away still sees it, smaller.
 #[test]
 fn a_photograph_is_seen_from_far_behind_where_it_was_taken() {
-    let _alone = alone();
+    let _turn = turn();
     let back = Head {
         place_m: bevy::math::Vec3::new(0.0, 0.0, -0.6),
         ..Head::default()
@@ -270,7 +270,7 @@ fn a_photograph_is_seen_from_far_behind_where_it_was_taken() {
 /// Of pictures that follow one another each is seen in its time, taken once, and the pupil follows their light.
 #[test]
 fn pictures_that_follow_one_another_are_seen_in_their_time() {
-    let _alone = alone();
+    let _turn = turn();
     let plain = |code: u16| vec![code; (3 * SIDE * SIDE) as usize];
     let (dark, light) = (plain(9000), plain(60_000));
     let LoadedScene::Photo(photo) = photograph(PhotoDepth::Constant(3.0)) else {

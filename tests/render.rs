@@ -6,8 +6,8 @@ mod foreshortening;
 mod golden;
 
 use crate::stage::{
-    alone, command, engine, foresee, look, luma_at, mean, open, patient, session, settle,
-    statistics, without_blinks,
+    command, engine, foresee, look, luma_at, mean, open, patient, session, settle, statistics,
+    turn, without_blinks,
 };
 use bevy::math::UVec2;
 use image::RgbaImage;
@@ -51,7 +51,7 @@ fn request(out: &Path) -> RenderRequest {
 
 #[test]
 fn the_same_seed_writes_the_same_trace() {
-    let _alone = alone();
+    let _turn = turn();
     let traces = [7, 7, 8].map(|seed| {
         let folder = tempfile::tempdir().expect("a folder");
         let request = request(folder.path());
@@ -142,7 +142,7 @@ fn differ(a: &[TraceRow], b: &[TraceRow]) -> Option<String> {
 
 #[test]
 fn the_frame_rate_does_not_change_the_life_of_the_eye() {
-    let _alone = alone();
+    let _turn = turn();
     let mut headless = open(
         session(patient("healthy-brown"), 11),
         UVec2::splat(16),
@@ -189,7 +189,7 @@ fn median(picture: &RgbaImage, chosen: impl Fn(u32, u32) -> bool) -> f64 {
 
 #[test]
 fn both_panels_follow_one_clock() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(160);
     let mut headless = open(session(patient("healthy-blue"), 3), size, size, [true; 2]);
     look(&mut headless, 0.0, 0.0, 3.0);
@@ -333,7 +333,7 @@ const EXTREMES: [Extreme; 9] = [
 
 #[test]
 fn every_legal_patient_and_viewpoint_has_a_picture() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(96);
     let mut headless = open(session(patient("healthy-blue"), 5), size, size, [true; 2]);
     let mut dark_pixels = Vec::new();
@@ -399,7 +399,7 @@ fn check_lit(name: &str, panel: &str, picture: &RgbaImage) {
 /// Skin must surround a left eye as it does a right one: its mesh is mirrored, and so is its winding.
 #[test]
 fn a_left_eye_lies_in_skin_like_a_right_one() {
-    let _turn = alone();
+    let _turn = turn();
     for eye in [Laterality::OD, Laterality::OS] {
         let patient = PatientFile {
             eye,

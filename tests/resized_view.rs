@@ -1,7 +1,7 @@
 //! A panel of another size shows the old view until it has one of its own: the same picture, as high
 //! as the panel, and never the old one at its old size, with its last texels drawn out beside it.
 
-use crate::stage::{alone, look, open, patient, session, settle, without_blinks};
+use crate::stage::{look, open, patient, session, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use bevy::prelude::{Assets, Image, PostUpdate, ResMut, Resource, Schedules};
 use image::RgbaImage;
@@ -45,7 +45,7 @@ fn view(headless: &Headless) -> RgbaImage {
 
 #[test]
 fn a_resized_view_keeps_its_picture_until_it_has_another() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::new(160, 120);
     let mut headless = open(
         session(patient("healthy-blue"), 3),
@@ -101,7 +101,7 @@ fn a_resized_view_keeps_its_picture_until_it_has_another() {
 
 #[test]
 fn the_eye_is_drawn_at_every_size_on_the_way() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(96);
     let mut headless = open(
         session(patient("healthy-blue"), 3),

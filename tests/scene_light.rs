@@ -1,6 +1,6 @@
 //! The light of the scene at the eye that looks at it: what it mirrors, and what its pupil answers to.
 
-use crate::stage::{alone, open, patient, session, settle, without_blinks};
+use crate::stage::{open, patient, session, settle, turn, without_blinks};
 use bevy::math::{DVec2, DVec3, UVec2, Vec3};
 use bevy::prelude::Mut;
 use image::RgbaImage;
@@ -23,7 +23,7 @@ fn around(headless: &mut Headless) -> Arc<Surroundings> {
 
 #[test]
 fn a_pupil_answers_to_the_light_where_the_head_is() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(32);
     let mut headless = open(
         session(patient("healthy-brown"), 1),
@@ -76,7 +76,7 @@ fn middle(picture: &RgbaImage, radius_px: f64) -> DVec3 {
 
 #[test]
 fn a_cornea_mirrors_the_room_that_its_eye_sees() {
-    let _alone = alone();
+    let _turn = turn();
     let mut brown = patient("healthy-brown");
     // The cornea faces the camera.
     brown.angle_alpha_deg = [0.0, 0.0];

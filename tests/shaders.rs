@@ -3,7 +3,7 @@
 
 mod branches;
 
-use crate::stage::{alone, open, patient, session, settle};
+use crate::stage::{open, patient, session, settle, turn};
 use bevy::app::{App, Plugin};
 use bevy::asset::AssetPlugin;
 use bevy::math::UVec2;
@@ -298,7 +298,7 @@ fn the_app_carries_the_texts_that_were_validated() {
 
 #[test]
 fn every_pipeline_of_the_app_is_built() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(96);
     let mut headless = open(session(patient("healthy-green"), 2), size, size, [true; 2]);
     settle(&mut headless);

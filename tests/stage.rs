@@ -11,12 +11,34 @@ use ocularium::motion::engine::{GazeCommand, Oculomotor, OculomotorState};
 use ocularium::patients::{PatientFile, load_patient};
 use ocularium::scene::catalog::{BuiltIn, LoadedScene};
 use ocularium::stage::{PanelLight, Session};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 
-/// Several apps at once on a software device only slow each other down: hold this while drawing.
-pub fn alone() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+/// How many apps draw at once, at most: what one does on a single thread leaves the software device to another;
+/// more only slow each other down.
+const MOST_AT_ONCE: usize = 2;
+
+/// One of the places for an app that draws.
+pub struct Turn(());
+
+static DRAWING: (Mutex<usize>, Condvar) = (Mutex::new(0), Condvar::new());
+
+/// Waits for a place: hold this while drawing.
+pub fn turn() -> Turn {
+    let (count, freed) = &DRAWING;
+    let count = count.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut count = freed
+        .wait_while(count, |count| *count >= MOST_AT_ONCE)
+        .unwrap_or_else(PoisonError::into_inner);
+    *count += 1;
+    Turn(())
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        let (count, freed) = &DRAWING;
+        *count.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+        freed.notify_one();
+    }
 }
 
 /// A built-in patient.

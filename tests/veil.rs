@@ -1,6 +1,6 @@
 //! The veil of clouded media, as it is drawn, against the glare function that it stands for.
 
-use crate::stage::alone;
+use crate::stage::turn;
 use bevy::app::App;
 use bevy::camera::{Exposure, Hdr, RenderTarget};
 use bevy::math::{DVec3, UVec2};
@@ -150,7 +150,7 @@ fn luminance_there(picture: &RgbaImage, place: [f32; 2], exposure: f64) -> f64 {
 
 #[test]
 fn the_veil_of_a_light_is_the_glare_function() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, camera, image) = dark_world(0.0, HALF_SIDE, UVec2::splat(SIDE));
     cloud(&mut headless, Cataract::cortical(3.0));
     show(&mut headless, camera, 1.0, 12);
@@ -180,7 +180,7 @@ fn the_veil_of_a_light_is_the_glare_function() {
 
 #[test]
 fn a_light_aside_of_the_middle_has_the_same_veil() {
-    let _alone = alone();
+    let _turn = turn();
     // 20° to the right, in a square view and in one twice as wide.
     let aside = 20f32.to_radians().tan();
     for size in [UVec2::splat(SIDE), UVec2::new(SIDE, SIDE / 2)] {
@@ -237,7 +237,7 @@ fn a_light_aside_of_the_middle_has_the_same_veil() {
 
 #[test]
 fn a_white_wall_stays_white_under_a_veil() {
-    let _alone = alone();
+    let _turn = turn();
     for size in [UVec2::splat(SIDE), UVec2::new(SIDE, SIDE / 2)] {
         // As wide as can be seen.
         let (mut headless, camera, image) = dark_world(0.0, 4.0, size);
@@ -271,7 +271,7 @@ fn a_white_wall_stays_white_under_a_veil() {
 
 #[test]
 fn a_cloud_in_the_middle_veils_more_through_a_small_pupil() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, camera, image) = dark_world(0.0, HALF_SIDE, UVec2::splat(SIDE));
     let cataract = Cataract::posterior_subcapsular(1.5);
     cloud(&mut headless, cataract);
@@ -331,7 +331,7 @@ fn a_cloud_in_the_middle_veils_more_through_a_small_pupil() {
 /// What the picture cuts is not taken to go on beyond it for ever.
 #[test]
 fn a_light_at_the_border_has_no_more_veil_than_itself() {
-    let _alone = alone();
+    let _turn = turn();
     let size = UVec2::splat(SIDE);
     // A square of 16 pixels: inside, near the border, and halfway over it.
     let half_side = 8.0 * HALF_SIDE;

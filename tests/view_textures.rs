@@ -1,6 +1,6 @@
 //! Textures as the view shows them.
 
-use crate::stage::{alone, luma_at, open, session, statistics};
+use crate::stage::{luma_at, open, session, statistics, turn};
 use bevy::math::UVec2;
 use image::RgbaImage;
 use ocularium::lab::headless::Which;
@@ -19,7 +19,7 @@ fn darkest_and_mean(picture: &RgbaImage, [left, top, right, bottom]: [u32; 4]) -
 
 #[test]
 fn a_blank_place_of_the_telephone_is_blank() {
-    let _alone = alone();
+    let _turn = turn();
     // Short-sighted, so that the telephone is sharp without a word to the lens; a narrow pupil.
     let near = PatientFile {
         sphere_d: -3.3,

@@ -1,7 +1,7 @@
 //! Cameras and eyes in an app of somebody else's: targets, layers and people that come and go.
 
 use crate::people::{SIDE, seen, world};
-use crate::stage::{alone, mean};
+use crate::stage::{mean, turn};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Exposure, Hdr, RenderTarget, Viewport};
 use bevy::math::UVec2;
@@ -61,7 +61,7 @@ fn part_mean(picture: &RgbaImage, x: u32, y: u32) -> f64 {
 
 #[test]
 fn a_worn_camera_follows_the_target_and_viewport_that_it_is_given() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let side = UVec2::splat(2 * SIDE);
@@ -131,7 +131,7 @@ fn a_worn_camera_follows_the_target_and_viewport_that_it_is_given() {
 
 #[test]
 fn a_part_of_a_target_of_any_format_shows_the_view() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let mut targets = Vec::new();
@@ -156,7 +156,7 @@ fn a_part_of_a_target_of_any_format_shows_the_view() {
 
 #[test]
 fn of_somebody_who_is_gone_nothing_is_seen_and_nothing_stays() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, cameras, _) = world(1);
     let ann = somebody(&mut headless);
     let model = headless
@@ -216,7 +216,7 @@ fn of_somebody_who_is_gone_nothing_is_seen_and_nothing_stays() {
 
 #[test]
 fn another_person_at_a_camera_is_told_what_it_sees() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, cameras, _) = world(1);
     headless.go_to(0.2);
     frames(&mut headless, 6);
@@ -241,7 +241,7 @@ type Retaking = (&'static str, fn(&mut World, Entity));
 
 #[test]
 fn a_view_is_taken_again_when_what_its_camera_draws_with_changes() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, cameras, _) = world(1);
     headless.go_to(0.2);
     frames(&mut headless, 8);
@@ -305,7 +305,7 @@ fn a_view_is_taken_again_when_what_its_camera_draws_with_changes() {
 
 #[test]
 fn an_eye_model_moves_with_what_it_hangs_on_and_changes_its_layers() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let world = headless.world();
@@ -451,7 +451,7 @@ fn what_a_joint_moves_takes_its_sharpness_along() {
 
 /// What was seen of a thing sharply rides with it, and where it stood nothing is left of it.
 fn sharpness_rides(make: fn(&mut World, Transform) -> Entity) {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let (_, image) = worn(&mut headless, ann, target_image(UVec2::splat(256)), None);
@@ -527,7 +527,7 @@ fn sharpness_rides(make: fn(&mut World, Transform) -> Entity) {
 /// What changes while a view is put away is seen when it is shown again.
 #[test]
 fn a_change_behind_a_hidden_view_is_seen_later() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, cameras, _) = world(1);
     headless.go_to(0.2);
     frames(&mut headless, 8);
@@ -578,7 +578,7 @@ fn screen(world: &mut World, image: Handle<Image>) {
 /// A video is an image that somebody writes: each of its pictures is seen, and costs one capture.
 #[test]
 fn a_video_is_taken_picture_by_picture() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let (_, seen) = worn(&mut headless, ann, target_image(UVec2::splat(64)), None);
@@ -627,7 +627,7 @@ fn a_texture_view_of_somebody_elses_shows_what_is_seen() {
     use bevy::render::render_resource::{TextureDescriptor, TextureUsages};
     use bevy::render::renderer::RenderDevice;
     use bevy::render::texture::{ManualTextureView, ManualTextureViews};
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let world = headless.world();
@@ -678,7 +678,7 @@ fn a_mesh_is_seen_in_the_shape_that_its_morph_weights_give_it() {
     use bevy::asset::RenderAssetUsages;
     use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
     use bevy::mesh::{Indices, PrimitiveTopology};
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let (camera, image) = worn(&mut headless, ann, target_image(UVec2::splat(64)), None);
@@ -743,7 +743,7 @@ fn a_mesh_is_seen_in_the_shape_that_its_morph_weights_give_it() {
 /// What a camera's exposure leaves of a luminance is its share of 1.2 × 2^EV cd/m².
 #[test]
 fn a_pupil_answers_to_the_light_that_its_camera_sees() {
-    let _alone = alone();
+    let _turn = turn();
     let (mut headless, _, _) = world(0);
     let ann = somebody(&mut headless);
     let (camera, _) = worn(&mut headless, ann, target_image(UVec2::new(96, 64)), None);

@@ -346,6 +346,7 @@ impl Default for Lids {
 /// [`Lids`]. Whoever draws or sees reads this; a patient file, a slider or an app writes the component
 /// itself, in whatever way, and never this.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component)]
 pub struct Effective<C: Component>(pub C);
 
 /// A person's skin.

@@ -102,34 +102,38 @@ impl WorldLights<'_, '_> {
             radius_rad: SUN_RAD,
             vergence: 0.0,
         });
-        // Bevy's point and spot lights send Φ/4π in every direction.
-        let near =
-            |color: Color, lumen: f32, radius: f32, transform: &GlobalTransform, share: f32| {
-                let towards = transform.translation() - eye;
-                let distance = towards.length().max(1e-2);
-                Arriving {
-                    direction: to_head * (towards / distance),
-                    over_pi: linear(color)
-                        * (share * lumen / (4.0 * PI * distance * distance * PI)),
-                    radius_rad: (radius / distance).atan().max(SUN_RAD),
-                    vergence: if distance < NEAR_M {
-                        scale.x.abs() * METRES_A_MM / distance
-                    } else {
-                        0.0
-                    },
-                }
-            };
-        let points = self.points.iter().filter(|point| {
-            let reaches = point.1.translation().distance(eye) < point.0.range;
-            reaches && shines(point.3) && shares(point.2, layers)
-        });
+        // Bevy's point and spot lights send Φ/4π in every direction, and fade out towards their range.
+        let near = |color: Color,
+                    lumen: f32,
+                    [radius, range]: [f32; 2],
+                    transform: &GlobalTransform,
+                    share: f32| {
+            let towards = transform.translation() - eye;
+            let distance = towards.length().max(1e-2);
+            let share = share * (1.0 - (distance / range).powi(4)).max(0.0).powi(2);
+            Arriving {
+                direction: to_head * (towards / distance),
+                over_pi: linear(color) * (share * lumen / (4.0 * PI * distance * distance * PI)),
+                radius_rad: (radius / distance).atan().max(SUN_RAD),
+                vergence: if distance < NEAR_M {
+                    scale.x.abs() * METRES_A_MM / distance
+                } else {
+                    0.0
+                },
+            }
+        };
+        let points = self
+            .points
+            .iter()
+            .filter(|point| shines(point.3) && shares(point.2, layers));
         let points = points.map(|(point, transform, ..)| {
-            near(point.color, point.intensity, point.radius, transform, 1.0)
+            let size = [point.radius, point.range];
+            near(point.color, point.intensity, size, transform, 1.0)
         });
-        let spots = self.spots.iter().filter(|spot| {
-            let reaches = spot.1.translation().distance(eye) < spot.0.range;
-            reaches && shines(spot.3) && shares(spot.2, layers)
-        });
+        let spots = self
+            .spots
+            .iter()
+            .filter(|spot| shines(spot.3) && shares(spot.2, layers));
         let spots = spots.map(|(spot, transform, ..)| {
             let away = (eye - transform.translation()).normalize_or(Vec3::NEG_Z);
             let angle = away.dot(transform.forward().into()).clamp(-1.0, 1.0).acos();
@@ -138,7 +142,7 @@ impl WorldLights<'_, '_> {
             near(
                 spot.color,
                 spot.intensity,
-                spot.radius,
+                [spot.radius, spot.range],
                 transform,
                 share * share,
             )
@@ -274,5 +278,109 @@ pub fn light_eyes(
             map,
             illumination,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::ecs::system::RunSystemOnce;
+
+    /// As Bevy marks what nothing hides.
+    const SEEN: InheritedVisibility = InheritedVisibility::VISIBLE;
+
+    /// What arrives at the world's middle on a head that is turned like this.
+    fn arriving(world: &mut World, head: Quat) -> Vec<Arriving> {
+        world
+            .run_system_once(move |lights: WorldLights| {
+                lights.at(&GlobalTransform::from(Transform::from_rotation(head)), None)
+            })
+            .expect("it runs")
+    }
+
+    fn point(range: f32) -> PointLight {
+        PointLight {
+            intensity: 1000.0,
+            range,
+            radius: 0.1,
+            color: Color::WHITE,
+            ..default()
+        }
+    }
+
+    /// A lamp of Φ lumen has Φ/4πd² lux at d metres; Bevy's fades out towards its range.
+    #[test]
+    fn a_lamp_of_the_world_shines_by_the_inverse_square_from_where_it_is() {
+        let mut world = World::new();
+        let lamp = world
+            .spawn((point(1e6), GlobalTransform::from_xyz(0.0, 0.0, -1.0), SEEN))
+            .id();
+        let one = arriving(&mut world, Quat::IDENTITY)[0];
+        assert!((one.over_pi - Vec3::splat(1000.0 / (4.0 * PI * PI))).length() < 1e-3);
+        assert!((one.direction - Vec3::NEG_Z).length() < 1e-6);
+        assert!((one.radius_rad - 0.1_f32.atan()).abs() < 1e-6);
+        let put = |world: &mut World, range: f32, z: f32| {
+            world
+                .entity_mut(lamp)
+                .insert((point(range), GlobalTransform::from_xyz(0.0, 0.0, z)));
+        };
+        put(&mut world, 1e6, -2.0);
+        let two = arriving(&mut world, Quat::IDENTITY)[0];
+        assert!((two.over_pi * 4.0 - one.over_pi).length() < 1e-3);
+        // The head turns to its left: the lamp comes to its right.
+        let turned = arriving(&mut world, Quat::from_rotation_y(PI / 2.0))[0];
+        assert!(
+            (turned.direction - Vec3::X).length() < 1e-6,
+            "{}",
+            turned.direction
+        );
+        // (1 − (d/range)⁴)² of it, and nothing from beyond the range.
+        put(&mut world, 4.0, -2.0);
+        let faded = arriving(&mut world, Quat::IDENTITY)[0];
+        let share = (15.0_f32 / 16.0).powi(2);
+        assert!((faded.over_pi - share * two.over_pi).length() < 1e-4);
+        put(&mut world, 2.0, -2.01);
+        assert!(arriving(&mut world, Quat::IDENTITY).is_empty());
+    }
+
+    /// A near lamp has the vergence of its place, in the eye's millimetres; a spot shines within its cone, the
+    /// sun without distance, and the strongest is first.
+    #[test]
+    fn spots_and_suns_arrive_too() {
+        let mut world = World::new();
+        world.spawn((point(1e6), GlobalTransform::from_xyz(0.0, 0.0, -0.5), SEEN));
+        let near = arriving(&mut world, Quat::IDENTITY)[0].vergence;
+        assert!((near - METRES_A_MM / 0.5).abs() < 1e-9, "{near}");
+        let spot = |outer: f32| SpotLight {
+            intensity: 1e6,
+            range: 1e6,
+            inner_angle: 0.1,
+            outer_angle: outer,
+            ..default()
+        };
+        // It stands aside and shines past the eye, 0.3 rad from its axis.
+        let aside = Transform::from_xyz(2.0, 0.0, 0.0)
+            .looking_to(Vec3::new(-(0.3_f32.cos()), 0.3_f32.sin(), 0.0), Vec3::Y);
+        let lamp = world
+            .spawn((spot(0.2), GlobalTransform::from(aside), SEEN))
+            .id();
+        assert_eq!(arriving(&mut world, Quat::IDENTITY).len(), 1);
+        world.entity_mut(lamp).insert(spot(0.5));
+        let both = arriving(&mut world, Quat::IDENTITY);
+        assert_eq!(both.len(), 2);
+        // Half of the way through its edge: a quarter.
+        let expected = 0.25 * 1e6 / (4.0 * PI * 4.0 * PI);
+        let found = both[0].over_pi.x / linear(Color::WHITE).x;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        world.spawn((
+            DirectionalLight {
+                illuminance: 1e5,
+                ..default()
+            },
+            GlobalTransform::from(Transform::default().looking_to(Vec3::NEG_Y, Vec3::Z)),
+            SEEN,
+        ));
+        let all = arriving(&mut world, Quat::IDENTITY);
+        assert!((all[0].direction - Vec3::Y).length() < 1e-6 && all[0].vergence == 0.0);
     }
 }

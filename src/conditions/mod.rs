@@ -19,7 +19,7 @@ pub use ptosis::Ptosis;
 pub use write::AddCondition;
 pub(crate) use write::put;
 
-use crate::anatomy::{Iris, Lids, OcularMedia, Refraction, VisualField};
+use crate::anatomy::{Effective, Iris, Lids, OcularMedia, Refraction, VisualField};
 use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 
@@ -116,6 +116,9 @@ macro_rules! plugin {
         impl Plugin for ConditionsPlugin {
             fn build(&self, app: &mut App) {
                 write::build(app);
+                app.register_type::<Effective<Refraction>>()
+                    .register_type::<Effective<Iris>>()
+                    .register_type::<Effective<Lids>>();
                 $(app.register_type::<$condition>().add_condition::<$condition>();)+
             }
         }

@@ -187,20 +187,23 @@ fn give_controllers(
 
 /// What of a leading eye its engine works with.
 type LeadingEye<'a> = (
-    &'a Lens,
+    Option<&'a Lens>,
     &'a Effective<Refraction>,
     Option<Ref<'a, VisualField>>,
 );
 
-/// The engine's settings with what a person's components say.
+/// The engine's settings with what a person's components say; one that she has not says what is usual.
 fn settings_of(
     now: &OculomotorSettings,
     patient: &Patient,
-    control: &PupilControl,
-    adaptation: &Adaptation,
-    lens: &Lens,
+    control: Option<&PupilControl>,
+    adaptation: Option<&Adaptation>,
+    lens: Option<&Lens>,
     refraction: &Refraction,
 ) -> OculomotorSettings {
+    let control = control.copied().unwrap_or_default();
+    let adaptation = adaptation.copied().unwrap_or_default();
+    let lens = lens.copied().unwrap_or_default();
     OculomotorSettings {
         age_years: patient.age_years,
         accommodation_amplitude_d: lens
@@ -245,8 +248,8 @@ type Mover<'a> = (
     &'a mut GazeController,
     Option<Ref<'a, Candidates>>,
     Ref<'a, Patient>,
-    &'a PupilControl,
-    &'a Adaptation,
+    Option<&'a PupilControl>,
+    Option<&'a Adaptation>,
 );
 
 /// Hands the engines what is new: anatomy, light, candidates, the user's commands.
@@ -282,11 +285,14 @@ fn decide(
                 controller.engine.reset(seed);
             }
         }
-        if let Some(field) = field
-            && (fresh || field.is_changed() || patient.is_changed())
-        {
-            let lost = (!field.is_whole()).then(|| (*field).clone());
-            controller.engine.set_visual_field(lost);
+        match field {
+            Some(field) if fresh || field.is_changed() || patient.is_changed() => {
+                let lost = (!field.is_whole()).then(|| (*field).clone());
+                controller.engine.set_visual_field(lost);
+            }
+            Some(_) => {}
+            // Whose field is gone has a whole one.
+            None => controller.engine.set_visual_field(None),
         }
         if let Some(candidates) = candidates
             && (fresh || candidates.is_changed())

@@ -1,7 +1,7 @@
 //! Files, folders and signals as they come: pipes and devices, depth pictures, two runs at once.
 
 use super::{Files, misused, program, refused, render_refused, run, said, text};
-use crate::stage::alone;
+use crate::stage::turn;
 use std::fs;
 use std::time::{Duration, Instant};
 
@@ -52,7 +52,7 @@ fn a_photograph_stands_where_it_is_put() {
 /// Where the eye looks first and how its lens stands, in a view of the page.
 #[test]
 fn the_lens_goes_to_the_page() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let first_row = |patient: &str, extra: &[&str]| {
         let out = files.name("page");
@@ -94,7 +94,7 @@ fn the_lens_goes_to_the_page() {
 
 #[test]
 fn an_eye_without_corners_looks_at_what_is_ahead_and_about() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let mut wall = image::RgbImage::from_pixel(64, 48, image::Rgb([150, 150, 150]));
     looks_about(&files, "wall", &wall);
@@ -139,7 +139,7 @@ fn looks_about(files: &Files, name: &str, picture: &image::RgbImage) {
 
 #[test]
 fn depth_pictures_as_tools_write_them() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let checks = data("depth/checks.png");
     let render = |depth: &str, extra: &[&str]| {
@@ -223,7 +223,7 @@ fn devices_and_pipes_are_refused_at_once() {
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let out = files.name("out");
     let long = [
@@ -284,7 +284,7 @@ fn a_run_that_is_ended_leaves_its_trace_and_keeps_others_out() {
 
 #[test]
 fn an_interrupted_bench_keeps_nothing_and_says_so() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let out = files.name("bench");
     let running = program(&["bench", "--quick", "--out", &out])
@@ -315,7 +315,7 @@ fn an_interrupted_bench_keeps_nothing_and_says_so() {
 fn paths_need_not_be_utf_8() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let odd = |name: &[u8]| files.path("x").with_file_name(OsStr::from_bytes(name));
     let (patient, scene) = (odd(b"ann\xff.ron"), odd(b"page\xe9.png"));
@@ -374,7 +374,7 @@ fn paths_need_not_be_utf_8() {
 
 #[test]
 fn a_view_without_anything_in_it_is_said() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let model = |looks: &str| {
         format!(
@@ -454,7 +454,7 @@ fn a_film_of_somebody_elses_is_shown_and_not_overwritten() {
     );
     // And it is seen, once and again.
     let out = folder.path().join("out").display().to_string();
-    let _alone = alone();
+    let _turn = turn();
     for _ in 0..2 {
         succeeds(&as_texts(&render(
             &film,

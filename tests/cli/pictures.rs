@@ -2,7 +2,7 @@
 
 use super::files::{data, succeeds};
 use super::{Files, said};
-use crate::stage::alone;
+use crate::stage::turn;
 use image::{ImageBuffer, Luma, Rgb, RgbImage, imageops};
 use ocularium::scene::model::srgb_to_linear;
 use std::fs;
@@ -71,7 +71,7 @@ fn ink(light: &ImageBuffer<Luma<f32>, Vec<f32>>) -> f64 {
 
 #[test]
 fn a_page_at_reading_distance_is_for_the_young() {
-    let _alone = alone();
+    let _turn = turn();
     let (young, _) = page("healthy-blue", "0.4m");
     let (old, pupil_mm) = page("presbyope-60", "0.4m");
     let (far, _) = page("presbyope-60", "3m");
@@ -132,7 +132,7 @@ fn blurred(
 
 #[test]
 fn a_photograph_is_shown_as_it_is() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     // Up to white and to the fullest colours: a display's picture has no room for a scene's highlights.
     let colours = [
@@ -206,7 +206,7 @@ fn saved(image: &RgbImage, orientation: u8) -> Vec<u8> {
 
 #[test]
 fn every_command_turns_a_photograph_as_it_says() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let upright = flags();
     let mut seen = Vec::new();

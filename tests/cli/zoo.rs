@@ -1,7 +1,7 @@
 //! Broken and odd files: each is shown or refused in one sentence, never a crash, a wait or half a folder.
 
 use super::{Files, glb, program, text};
-use crate::stage::alone;
+use crate::stage::turn;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -280,7 +280,7 @@ fn pictures() -> Vec<(&'static str, Vec<u8>, Due)> {
 
 #[test]
 fn broken_and_odd_files_are_shown_or_refused() {
-    let _alone = alone();
+    let _turn = turn();
     let files = Files::new();
     let mut wrong = Vec::new();
     for (name, bytes, due) in models().into_iter().chain(pictures()) {

@@ -4,7 +4,7 @@
 use super::edges::{card_before_plane, card_parts, difference, expected};
 use super::stars::{PEAK, PIXELS, places, sky, view_of};
 use super::{Eye, NEUTRAL};
-use crate::stage::{alone, open, patient};
+use crate::stage::{open, patient, turn};
 use bevy::math::{DVec3, UVec2};
 use image::RgbaImage;
 use ocularium::lab::headless::Headless;
@@ -68,7 +68,7 @@ fn apart_deg(a: f64, b: f64) -> f64 {
 
 #[test]
 fn a_star_is_the_ellipse_of_its_eye_at_every_axis() {
-    let _alone = alone();
+    let _turn = turn();
     let (sphere_d, cylinder_d) = (-1.5, -2.0);
     let wanted = |axis_deg: f64, place: UVec2| {
         let axis = f64::to_radians(axis_deg);
@@ -132,7 +132,7 @@ fn shorter_px((blur_px, elongation): (Vec<f32>, Vec<f32>)) -> Vec<f32> {
 
 #[test]
 fn depth_edges_of_an_astigmat_are_drawn_as_the_reference_draws_them() {
-    let _alone = alone();
+    let _turn = turn();
     let photograph = card_before_plane();
     let mut headless = photograph.open();
     // What is nearer blurs more and less than what is farther. Where both blur and one covers the other, the
@@ -226,7 +226,7 @@ fn dial() -> LoadedScene {
 /// axis at 30 h degrees (Michaels 1985; every textbook of refraction).
 #[test]
 fn of_a_dial_the_hours_a_thirtieth_of_the_axis_are_the_clearest() {
-    let _alone = alone();
+    let _turn = turn();
     let session = crate::percept_gpu::photo_session(dial(), patient("healthy-brown"));
     let size = UVec2::splat(480);
     let mut headless: Headless = open(session, UVec2::splat(16), size, [false, true]);

@@ -1,7 +1,7 @@
 //! The gather of the device against `reference_gather`, with a near card before a far plane.
 
 use super::{Eye, NEUTRAL, Photograph, SIDE};
-use crate::stage::alone;
+use crate::stage::turn;
 use bevy::math::DVec3;
 use image::{Rgba, RgbaImage};
 use ocularium::lab::image_difference::{Difference, Limits};
@@ -131,7 +131,7 @@ pub fn difference(
 
 #[test]
 fn depth_edges_are_drawn_as_the_reference_draws_them() {
-    let _alone = alone();
+    let _turn = turn();
     let photograph = card_before_plane();
     let mut headless = photograph.open();
     // The far plane sharp, both blurred alike, and the card sharp.

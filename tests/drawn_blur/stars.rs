@@ -6,7 +6,7 @@
 //! A star here is one pixel, the hardest that can be drawn: light of a single texel.
 
 use super::linear;
-use crate::stage::{alone, look, open, patient, settle, without_blinks};
+use crate::stage::{look, open, patient, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
@@ -231,7 +231,7 @@ fn off(view: &[f64], place: UVec2, diameter_px: f64, light: f64) -> [f64; 3] {
 
 #[test]
 fn a_star_is_as_wide_as_pupil_times_defocus() {
-    let _alone = alone();
+    let _turn = turn();
     let session = Session::new(myope(4.0, 3.0), sky(places(0), 10.0), 1);
     let mut headless = open(session, UVec2::splat(16), UVec2::splat(SIDE), [false, true]);
     let mut worst = [0.0_f64; 3];

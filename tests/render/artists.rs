@@ -1,6 +1,6 @@
 //! An artist's choices change how an eye looks, each of them, and nothing of what it sees.
 
-use crate::stage::{alone, look, open, patient, session, settle, without_blinks};
+use crate::stage::{look, open, patient, session, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use image::RgbaImage;
 use ocularium::appearance::EyeOrbit;
@@ -9,21 +9,16 @@ use ocularium::lab::image_difference::Difference;
 use ocularium::patients::{FIELDS, PatientFile, PupilSetting};
 use ocularium::stage::SessionCommand;
 
+/// The pictures of somebody who is like this from now on, at the moment that it is.
 fn pictures(headless: &mut Headless, file: PatientFile) -> [RgbaImage; 2] {
-    headless.command(SessionCommand::Patient(Box::new(file)));
-    headless.go_to(0.0);
-    settle(headless);
-    without_blinks(headless);
-    look(headless, 0.0, 0.0, 4.0);
-    headless.go_to(0.01);
-    headless.go_to(1.0);
+    headless.command(SessionCommand::Change(Box::new(file)));
     settle(headless);
     [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
 }
 
 #[test]
 fn every_choice_of_an_artist_shows_in_the_eye_and_not_in_the_view() {
-    let _alone = alone();
+    let _turn = turn();
     let usual = PatientFile {
         pupil: PupilSetting::Fixed(4.0),
         ..patient("healthy-blue")
@@ -39,6 +34,11 @@ fn every_choice_of_an_artist_shows_in_the_eye_and_not_in_the_view() {
         distance_mm: 55.0,
         ..EyeOrbit::default()
     });
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, 0.0, 0.0, 4.0);
+    headless.go_to(0.01);
+    headless.go_to(1.0);
     let [eye, view] = pictures(&mut headless, usual.clone());
     let fields: Vec<_> = FIELDS
         .iter()

@@ -1,6 +1,6 @@
 //! A pupil in the picture is as narrow from the side as pupils of living eyes are.
 
-use crate::stage::{alone, look, luma_at, open, patient, session, settle, without_blinks};
+use crate::stage::{look, luma_at, open, patient, session, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use image::RgbaImage;
 use ocularium::appearance::EyeOrbit;
@@ -65,7 +65,7 @@ fn ratios(headless: &mut Headless, file: PatientFile) -> [f64; 2] {
 
 #[test]
 fn a_pupil_looks_as_narrow_from_the_side_as_living_ones_do() {
-    let _alone = alone();
+    let _turn = turn();
     let file = PatientFile {
         pupil: PupilSetting::Fixed(6.0),
         ..patient("healthy-blue")

@@ -4,7 +4,7 @@
 //! pupil held at 4 mm. `OCULARIUM_BLESS=1` approves what is drawn.
 
 use super::picture;
-use crate::stage::{alone, look, luma_at, open, patient, session, settle, without_blinks};
+use crate::stage::{look, luma_at, open, patient, session, settle, turn, without_blinks};
 use bevy::math::UVec2;
 use image::imageops::crop_imm;
 use image::{Rgba, RgbaImage};
@@ -103,6 +103,8 @@ impl Moment {
             .entity_mut(model)
             .insert(EyeLight::Studio(studio));
         headless.command(SessionCommand::Patient(Box::new(self.patient.clone())));
+        // Only what is seen has a past; the eye is drawn once, at the end.
+        headless.show([false, true]);
         headless.go_to(0.0);
         settle(headless);
         without_blinks(headless);
@@ -110,6 +112,8 @@ impl Moment {
         for time_s in [0.01, 0.25, 0.5] {
             headless.go_to(time_s);
         }
+        headless.show([true; 2]);
+        settle(headless);
         [Which::Eye, Which::View].map(|which| picture(headless, which))
     }
 }
@@ -264,7 +268,7 @@ fn assert_refused(name: &str, drawn: &Drawn, by: &[&str]) {
 
 #[test]
 fn the_crops_are_the_approved_ones_and_refuse_what_is_one_step_away() {
-    let _alone = alone();
+    let _turn = turn();
     let sizes = [EYE_SIZE, VIEW_SIZE].map(UVec2::splat);
     let session = session(patient("healthy-brown"), 7);
     let mut headless = open(session, sizes[0], sizes[1], [true; 2]);

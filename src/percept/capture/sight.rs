@@ -25,6 +25,8 @@ use bevy::render::view::ColorGrading;
 pub struct SceneChanges {
     touched: Option<RenderLayers>,
     everywhere: bool,
+    /// Was there light from everywhere in the last frame?
+    has_ambient: bool,
     /// Layers of everything that was there.
     known: HashMap<Entity, RenderLayers>,
     /// What has moved.
@@ -302,7 +304,8 @@ pub(in crate::percept) fn notice(
     for layers in &eyes {
         changes.add(layers);
     }
-    changes.everywhere = ambient.is_some_and(|ambient| ambient.is_changed());
+    let had_ambient = std::mem::replace(&mut changes.has_ambient, ambient.is_some());
+    changes.everywhere = ambient.map_or(had_ambient, |ambient| ambient.is_changed());
     redrawn(changes, &drawn, &mut surfaces);
 }
 
