@@ -2,7 +2,8 @@
 
 use crate::stage::{mean, turn};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// The program of an example, which `cargo test` has built.
 fn example(name: &str) -> PathBuf {
@@ -142,4 +143,61 @@ fn without_a_display_a_sentence_is_said() {
             && !sentence.contains("panicked"),
         "{sentence}"
     );
+}
+
+/// Ctrl-C ends a recording after the frame in work, with a report of what is there; another, shorter one says
+/// what it takes away of somebody's longer film.
+#[test]
+#[cfg(unix)]
+fn a_recording_that_is_stopped_leaves_whole_files_and_says_so() {
+    let _turn = turn();
+    let out = tempfile::tempdir().expect("a folder");
+    let started = |frames: &str| {
+        Command::new(example("sees_as"))
+            .args(["--frames", frames, "--size", "64x64", "--out"])
+            .arg(out.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts")
+    };
+    let running = started("100000");
+    let second = out.path().join("frame_00001.png");
+    let begun = Instant::now();
+    while !second.exists() {
+        assert!(begun.elapsed() < Duration::from_secs(240), "no frame");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let sent = Command::new("kill")
+        .args(["-INT", &running.id().to_string()])
+        .status();
+    assert!(sent.expect("kill is there").success());
+    let ended = running.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert!(said.contains("interrupted"), "{said}");
+    let report = || {
+        let text = std::fs::read_to_string(out.path().join("report.json")).expect("a report");
+        serde_json::from_str::<serde_json::Value>(&text).expect("JSON")
+    };
+    let stopped = report();
+    assert_eq!(stopped["interrupted"], true);
+    let frames = stopped["frames"].as_u64().expect("a number");
+    assert!(
+        frames >= 2
+            && out
+                .path()
+                .join(format!("frame_{:05}.png", frames - 1))
+                .exists()
+    );
+
+    std::fs::write(out.path().join("trace.csv"), "time_s").expect("written");
+    let ended = started("1").wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    let gone = format!(
+        "its frames beyond these ({}) and its trace.csv were removed",
+        frames - 1
+    );
+    assert!(ended.status.success() && said.contains(&gone), "{said}");
+    assert_eq!(report()["interrupted"], false);
 }

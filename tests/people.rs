@@ -19,8 +19,14 @@ pub const SIDE: u32 = 64;
 
 /// A wall with a box before it, somebody, and `count` cameras that see as she does.
 pub fn world(count: usize) -> (Headless, Vec<Entity>, Entity) {
+    world_with(count, |_| {})
+}
+
+/// The same in an app that is `prepared`.
+pub fn world_with(count: usize, prepare: impl FnOnce(&mut App)) -> (Headless, Vec<Entity>, Entity) {
     let mut app = App::new();
     app.add_plugins((plugins(), OculariumPlugins));
+    prepare(&mut app);
     let world = app.world_mut();
     let mesh = world
         .resource_mut::<Assets<Mesh>>()

@@ -1,15 +1,15 @@
 //! Cameras and eyes in an app of somebody else's: targets, layers and people that come and go.
 
-use crate::people::{SIDE, seen, world};
+use crate::people::{SIDE, seen, world, world_with};
 use crate::stage::{mean, turn};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Exposure, Hdr, RenderTarget, Viewport};
 use bevy::math::UVec2;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
-use bevy::pbr::DistanceFog;
+use bevy::pbr::{DistanceFog, ExtendedMaterial, MaterialExtension};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::{AsBindGroup, Extent3d, TextureDimension, TextureFormat};
 use image::RgbaImage;
 use ocularium::frame::panel::target_image;
 use ocularium::lab::headless::Headless;
@@ -819,4 +819,54 @@ fn a_pupil_answers_to_the_light_that_its_camera_sees() {
         headless.go_to(16.0 + 0.2 * f64::from(step));
     }
     assert_eq!(headless.world().get::<Adaptation>(ann), Some(&said));
+}
+
+/// A material of a kind that nobody knows.
+type Foreign = ExtendedMaterial<StandardMaterial, Nothing>;
+
+#[derive(Asset, AsBindGroup, TypePath, Clone, Debug, Default)]
+struct Nothing {}
+
+impl MaterialExtension for Nothing {}
+
+#[test]
+fn materials_of_other_kinds_are_watched_where_somebody_asks() {
+    let _turn = turn();
+    for is_watched in [true, false] {
+        let (mut headless, _, _) = world_with(1, |app| {
+            app.add_plugins(MaterialPlugin::<Foreign>::default());
+            if is_watched {
+                app.watch_material::<Foreign>();
+            }
+        });
+        let world = headless.world();
+        let mesh = world
+            .resource_mut::<Assets<Mesh>>()
+            .add(Cuboid::new(0.3, 0.3, 0.3));
+        let green = Foreign {
+            base: Color::srgb(0.0, 1.0, 0.0).into(),
+            extension: Nothing {},
+        };
+        let material = world.resource_mut::<Assets<Foreign>>().add(green);
+        world.spawn((
+            Mesh3d(mesh),
+            MeshMaterial3d(material.clone()),
+            Transform::from_xyz(-0.3, 0.0, -1.5),
+        ));
+        headless.go_to(0.2);
+        frames(&mut headless, 8);
+        let before = headless.work();
+        frames(&mut headless, 2);
+        assert_eq!(headless.work().since(before).view_captures, 0);
+        headless
+            .world()
+            .resource_mut::<Assets<Foreign>>()
+            .get_mut(&material)
+            .expect("the material")
+            .base
+            .base_color = Color::srgb(1.0, 0.0, 0.0);
+        frames(&mut headless, 6);
+        let captures = headless.work().since(before).view_captures;
+        assert_eq!(captures, u64::from(is_watched), "watched: {is_watched}");
+    }
 }

@@ -10,6 +10,11 @@ use ocularium::lab::record::{Recording, USAGE};
 /// What the command line asks for; the program ends where it makes no sense, or where there is nothing to
 /// draw with. `shows` says what the example is of.
 pub fn recording(shows: &str) -> Option<Recording> {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // Mesa's device-selection layer would complain that there is no session.
+        // SAFETY: this is the program's only thread so far.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
     if std::env::args().any(|argument| matches!(&*argument, "--help" | "-h")) {
         println!("{shows} It opens a window. Options: {USAGE}.");
         std::process::exit(0);

@@ -94,7 +94,10 @@ fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn session(shown: &Shown) -> Result<Session, Box<dyn Error>> {
-    let patient = load_patient(&shown.patient)?;
+    let mut patient = load_patient(&shown.patient)?;
+    if let Some(eye) = shown.eye {
+        patient.eye = eye.laterality();
+    }
     let options = photo_options(shown)?;
     let source = SceneSource::parse(&shown.scene, shown.depth.as_deref())?;
     if !matches!(source, SceneSource::Photo { .. }) && (shown.at.is_some() || shown.span.is_some())
@@ -228,12 +231,8 @@ fn conclude(report: &RenderReport, out: &Path) -> ExitCode {
         out.display(),
         report.device,
     ));
-    if report.removed_frames > 0 {
-        complain(&format!(
-            "an earlier run into {} was longer; its frames beyond these were removed ({})",
-            out.display(),
-            report.removed_frames
-        ));
+    if let Some(removal) = &report.removal {
+        complain(removal);
     }
     if report.interrupted {
         complain("interrupted; what is in the folder is whole");

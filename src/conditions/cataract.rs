@@ -11,7 +11,7 @@
 //! second and the last cortical class, 3 and 50 % of the capsule. One grader's own tolerance is ±0.7
 //! grades (±1 subcapsular).
 
-use super::{Affected, Condition, Control};
+use super::{Affected, Condition, Control, short};
 use crate::anatomy::{CAPSULE_BEAM, LENS_DISC_MM};
 use crate::optics::root::illinois;
 use bevy::ecs::reflect::ReflectComponent;
@@ -222,9 +222,6 @@ impl Condition for Cataract {
 
     fn caption(&self) -> String {
         let [nuclear, cortical, subcapsular] = self.grades();
-        if let Some(log_s) = self.log_s {
-            return format!("Cataract by its straylight, {log_s:.2} log s.");
-        }
         let parts: Vec<String> = [
             ("nuclear", nuclear),
             ("cortical", cortical),
@@ -232,12 +229,17 @@ impl Condition for Cataract {
         ]
         .into_iter()
         .filter(|(_, grade)| *grade > 0.0)
-        .map(|(place, grade)| format!("{place} {grade:.1}"))
+        .map(|(place, grade)| format!("{place} {}", short(grade)))
         .collect();
-        if parts.is_empty() {
-            "A clear lens.".into()
-        } else {
-            format!("Cataract, LOCS III: {}.", parts.join(", "))
+        match (self.log_s, parts.as_slice()) {
+            (Some(log_s), []) => format!("Cataract by its straylight, {} log s.", short(log_s)),
+            (Some(log_s), _) => format!(
+                "Cataract by its straylight, {} log s, in the proportion of {}.",
+                short(log_s),
+                parts.join(", ")
+            ),
+            (None, []) => "A clear lens.".into(),
+            (None, _) => format!("Cataract, LOCS III: {}.", parts.join(", ")),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! in the middle of its class. Leaves: what it takes of a [`VisualField`]: glaucoma kills bundles of
 //! fibres, not places.
 
-use super::{Affected, Condition, Control};
+use super::{Affected, Condition, Control, short};
 use crate::anatomy::visual_field::{BundleLoss, VisualField};
 use crate::optics::root::illinois;
 use bevy::ecs::reflect::ReflectComponent;
@@ -295,7 +295,7 @@ impl Condition for Glaucoma {
             GlaucomaStage::Moderate => "Moderate",
             GlaucomaStage::Severe => "Severe",
         };
-        let deviation = format!("{:.1}", self.within_range()).replace('-', "−");
+        let deviation = short(self.within_range());
         format!("{stage} glaucoma: a mean deviation of {deviation} dB.")
     }
 }

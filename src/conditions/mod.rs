@@ -126,5 +126,12 @@ macro_rules! plugin {
 }
 with_conditions! { plugin! {} }
 
+/// A number of a caption: two decimals at most, none that say nothing, and a minus sign.
+pub(crate) fn short(value: f64) -> String {
+    let rounded = (value * 100.0).round() / 100.0;
+    // Plus nothing: minus nothing is nothing.
+    (rounded + 0.0).to_string().replace('-', "−")
+}
+
 #[cfg(test)]
 mod tests;

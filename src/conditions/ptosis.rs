@@ -3,7 +3,7 @@
 //! Enters: the margin reflex distance (MRD1), from the light's reflection on the cornea to the margin of
 //! the upper lid. Leaves: how far the upper lid hangs; the lower one stays.
 
-use super::{Affected, Condition, Control};
+use super::{Affected, Condition, Control, short};
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::prelude::Component;
 use bevy::reflect::Reflect;
@@ -55,8 +55,19 @@ impl Condition for Ptosis {
         if self.mrd1_mm >= USUAL_MM {
             return "No ptosis (MRD1 4.4 mm).".into();
         }
-        let mrd1 = format!("{:.1}", self.mrd1_mm).replace('-', "−");
-        format!("Ptosis, MRD1 {mrd1} mm.")
+        format!("Ptosis, MRD1 {} mm.", short(self.mrd1_mm))
+    }
+
+    fn remark(&self, without: &Affected) -> Option<String> {
+        let own_mm = USUAL_MM - (1.0 - without.lids.opening) * TRAVEL_MM;
+        (own_mm < self.mrd1_mm.min(USUAL_MM)).then(|| {
+            format!(
+                "lids that open to {} of usual leave the margin at {} mm, below mrd1_mm = {}",
+                short(without.lids.opening),
+                short(own_mm),
+                short(self.mrd1_mm)
+            )
+        })
     }
 }
 

@@ -16,6 +16,8 @@ pub struct FrameFolder {
     lock: FolderLock,
     /// Frames that an earlier run left.
     earlier: u64,
+    /// Whether its trace was taken away.
+    trace_went: bool,
 }
 
 /// What became of the frames of an earlier run.
@@ -29,6 +31,8 @@ pub struct Afterwards {
     pub reach: u64,
     /// Frames that are nobody's.
     pub strange: u64,
+    /// Whether an earlier run's trace was taken away, with the first frame.
+    pub trace_went: bool,
 }
 
 impl FrameFolder {
@@ -64,6 +68,7 @@ impl FrameFolder {
             out: out.into(),
             lock,
             earlier,
+            trace_went: false,
         })
     }
 
@@ -75,6 +80,7 @@ impl FrameFolder {
         write_whole(&frame_path(&self.out, frame), png)?;
         self.lock.note((frame + 1).max(self.earlier))?;
         if frame == 0 {
+            self.trace_went |= self.out.join("trace.csv").exists();
             forget_earlier_run(&self.out)?;
         }
         Ok(())
@@ -96,11 +102,42 @@ impl FrameFolder {
             left,
             reach: if left > 0 { self.earlier - frames } else { 0 },
             strange,
+            trace_went: self.trace_went,
         })
     }
 }
 
 impl Afterwards {
+    /// What was taken away of an earlier run, by one that `traces` or does not; `None` where nothing was.
+    pub fn removal(&self, out: &Path, traces: bool) -> Option<String> {
+        let mut gone = Vec::new();
+        if self.removed > 0 {
+            gone.push(format!("its frames beyond these ({})", self.removed));
+        }
+        if self.trace_went && !traces {
+            gone.push("its trace.csv".into());
+        }
+        (!gone.is_empty()).then(|| {
+            let what = if self.removed > 0 {
+                "was longer"
+            } else {
+                "left more"
+            };
+            let (gone, verb) = (
+                gone.join(" and "),
+                if gone == ["its trace.csv"] {
+                    "was"
+                } else {
+                    "were"
+                },
+            );
+            format!(
+                "an earlier run into {} {what}; {gone} {verb} removed",
+                out.display()
+            )
+        })
+    }
+
     /// What a user should know of it, one sentence each.
     pub fn remarks(&self, out: &Path) -> Vec<String> {
         let mut remarks = Vec::new();
@@ -273,9 +310,15 @@ mod tests {
         report(7, 0);
         let stopped = run(3, false);
         assert_eq!((stopped.removed, stopped.left), (0, 4));
+        assert_eq!(stopped.removal(folder.path(), true), None);
         assert_eq!(stopped.reach, 4);
         report(3, stopped.reach);
         let after = run(2, true);
         assert_eq!((after.removed, after.left, after.strange), (5, 0, 0));
+        let removal = after.removal(folder.path(), true).expect("a sentence");
+        assert!(
+            removal.contains("its frames beyond these (5) were removed"),
+            "{removal}"
+        );
     }
 }

@@ -249,6 +249,11 @@ impl Headless {
         self.app.update();
     }
 
+    /// Has somebody asked the app to end?
+    pub fn is_ending(&self) -> bool {
+        self.app.should_exit().is_some()
+    }
+
     /// Waits for the GPU to finish, so that a time measured around a frame is the frame's.
     pub fn finish_frame(&self) {
         self.poll();

@@ -9,7 +9,7 @@ use super::render::RenderError;
 use crate::frame::panel::target_image;
 use crate::frame::picture::encode_png;
 use crate::output_file::{WriteError, write_whole};
-use bevy::app::PluginGroupBuilder;
+use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::window::WindowRef;
@@ -106,7 +106,7 @@ impl Recording {
 /// Bevy's default plugins: with a window, or, for a recording, without.
 pub fn plugins(recording: Option<&Recording>) -> PluginGroupBuilder {
     match recording {
-        Some(_) => super::headless::plugins(),
+        Some(_) => super::headless::plugins().enable::<TerminalCtrlCHandlerPlugin>(),
         None => DefaultPlugins.build(),
     }
 }
@@ -130,7 +130,8 @@ impl Plugin for RecordPlugin {
         app.insert_resource(InWindowsPlace(picture.clone()))
             .add_systems(PreUpdate, take_windows_place)
             .set_runner(move |app| match record(app, &recording, &picture) {
-                Ok(()) => AppExit::Success,
+                Ok(true) => AppExit::Success,
+                Ok(false) => AppExit::from_code(INTERRUPTED),
                 Err(error) => {
                     eprintln!("{error}");
                     AppExit::Error(NonZero::<u8>::MIN)
@@ -159,24 +160,44 @@ struct RecordingReport {
     fps: f64,
     /// Width and height, pixels.
     size_px: [u32; 2],
+    /// Stopped by the user before the end?
+    interrupted: bool,
+    /// What drew.
+    device: String,
 }
 
-fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<(), RenderError> {
+/// Exit status after Ctrl-C.
+const INTERRUPTED: u8 = 130;
+
+/// Records; says whether it came to its end.
+fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<bool, RenderError> {
     let mut folder = FrameFolder::take(&recording.out)?;
     let mut headless = Headless::of(app)?;
+    let mut frames = 0;
     for frame in 0..recording.frames {
+        if headless.is_ending() {
+            break;
+        }
         headless.go_to(frame as f64 / recording.fps);
         headless.finish_frame();
         let png = encode_png(&headless.picture(picture)?)
             .map_err(|error| RenderError::Encode(frame, error.to_string()))?;
         folder.put(frame, &png)?;
+        frames += 1;
     }
-    let after = folder.end(recording.frames, true)?;
+    let is_whole = frames == recording.frames;
+    if frames == 0 {
+        eprintln!("interrupted before the first frame; nothing was written");
+        return Ok(false);
+    }
+    let after = folder.end(frames, is_whole)?;
     let report = RecordingReport {
         version: env!("CARGO_PKG_VERSION"),
-        frames: recording.frames,
+        frames,
         fps: recording.fps,
         size_px: recording.size.to_array(),
+        interrupted: !is_whole,
+        device: headless.adapter(),
     };
     let path = recording.out.join(REPORT);
     let json = serde_json::to_vec_pretty(&report).map_err(|error| WriteError {
@@ -184,15 +205,19 @@ fn record(app: App, recording: &Recording, picture: &Handle<Image>) -> Result<()
         reason: error.to_string(),
     })?;
     write_whole(&path, &[&json, &b"\n"[..]].concat())?;
-    for remark in after.remarks(&recording.out) {
+    let removal = after.removal(&recording.out, false);
+    for remark in after.remarks(&recording.out).into_iter().chain(removal) {
         eprintln!("{remark}");
     }
-    let frames = match recording.frames {
+    let frames = match frames {
         1 => "1 frame".into(),
         many => format!("{many} frames"),
     };
     println!("{frames} in {}", recording.out.display());
-    Ok(())
+    if !is_whole {
+        eprintln!("interrupted; what is in the folder is whole");
+    }
+    Ok(is_whole)
 }
 
 #[cfg(test)]

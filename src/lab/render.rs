@@ -81,14 +81,14 @@ pub struct RenderReport {
     pub eye: Laterality,
     /// The scene's name.
     pub scene: String,
-    /// What the eye is lit by, as `--light` names it.
-    pub light: &'static str,
-    /// Where the camera before the eye stands: degrees to the patient's right and up.
-    pub orbit_deg: [f32; 2],
-    /// Its distance from the cornea, mm.
-    pub distance_mm: f32,
-    /// How much a corner of the view differs from its ring at least, 0 to 255.
-    pub threshold: u8,
+    /// What the eye is lit by, as `--light` names it; `None` where no eye is in the picture.
+    pub light: Option<&'static str>,
+    /// Where the camera before the eye stands: degrees to the patient's right and up; `None` where there is none.
+    pub orbit_deg: Option<[f32; 2]>,
+    /// Its distance from the cornea, mm; `None` where there is none.
+    pub distance_mm: Option<f32>,
+    /// How much a corner of the view differs from its ring at least, 0 to 255; `None` where there is no view.
+    pub threshold: Option<u8>,
     /// Panels in the picture.
     pub panel: PanelChoice,
     /// Width and height, pixels.
@@ -124,6 +124,9 @@ pub struct RenderReport {
     pub work: Work,
     /// Frames of an earlier, longer run into the same folder that were removed.
     pub removed_frames: u64,
+    /// The same in a sentence, where there were any.
+    #[serde(skip)]
+    pub removal: Option<String>,
     /// How many numbers the frames of it go on after these, because this run was stopped before it came to
     /// them.
     pub left_frames: u64,
@@ -255,17 +258,18 @@ pub fn render(
     // Whoever stops a run may want the longer one that was there before.
     let after = folder.end(frames, frames == total)?;
     remarks.extend(after.remarks(&request.out));
-    let drawn = !times_ms.is_empty();
+    let (drawn, orbit) = (!times_ms.is_empty(), request.orbit);
     let report = RenderReport {
         version: env!("CARGO_PKG_VERSION"),
         arguments: request.arguments.clone(),
         patient,
         eye: leading,
         scene,
-        light: light.name(),
-        orbit_deg: [request.orbit.azimuth_deg, request.orbit.elevation_deg],
-        distance_mm: request.orbit.distance_mm,
-        threshold: request.options.threshold,
+        light: shown[0].then(|| light.name()),
+        // Plus nothing: minus nothing is nothing.
+        orbit_deg: shown[0].then(|| [orbit.azimuth_deg + 0.0, orbit.elevation_deg + 0.0]),
+        distance_mm: shown[0].then_some(orbit.distance_mm),
+        threshold: shown[1].then_some(request.options.threshold),
         panel: request.panels,
         size_px: request.size.to_array(),
         seed,
@@ -283,6 +287,7 @@ pub fn render(
         frame_ms_max: drawn.then(|| times_ms.iter().copied().fold(0.0, f64::max)),
         work: headless.work().since(before),
         removed_frames: after.removed,
+        removal: after.removal(&request.out, true),
         left_frames: after.reach,
         remarks,
     };
@@ -306,10 +311,17 @@ pub fn nothing_in_view(scene: &str) -> String {
     )
 }
 
-/// Middle value; 0 of none.
+/// Middle value, or the mean of the two in the middle; 0 of none.
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    let Some(above) = values.get(values.len() / 2) else {
+        return 0.0;
+    };
+    if values.len() % 2 == 1 {
+        *above
+    } else {
+        0.5 * (values[values.len() / 2 - 1] + above)
+    }
 }
 
 #[cfg(test)]
@@ -321,6 +333,13 @@ mod tests {
         assert_eq!(frame_count(3.0, 10.0), 30);
         assert_eq!(frame_count(0.001, 1.0), 1);
         assert_eq!(frame_count(0.1, 30.0), 3);
+    }
+
+    #[test]
+    fn the_median_of_an_even_number_is_between_the_two_in_the_middle() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), 2.5);
+        assert_eq!((median(&mut [7.0]), median(&mut [])), (7.0, 0.0));
     }
 
     #[test]

@@ -149,7 +149,7 @@ const BUILT_IN: (&str, &str) = ("walk", include_str!("../../assets/head_paths/wa
 
 /// Why a path could not be read.
 #[derive(Debug, thiserror::Error)]
-#[error("{file}:{}{reason}", if reason.starts_with(|c: char| c.is_ascii_digit()) { "" } else { " " })]
+#[error("head path {file}:{}{reason}", if reason.starts_with(|c: char| c.is_ascii_digit()) { "" } else { " " })]
 pub struct HeadPathError {
     file: String,
     reason: String,

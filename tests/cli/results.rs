@@ -112,6 +112,8 @@ fn render_leaves_whole_files_and_nothing_else() {
         "0.1",
         "--fps",
         "20",
+        "--eye",
+        "os",
     ];
     let output = run(&arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -143,7 +145,7 @@ fn render_leaves_whole_files_and_nothing_else() {
     assert_eq!(report["size_px"], serde_json::json!([64, 32]));
     assert_eq!(
         (&report["eye"], &report["light"]),
-        (&"OD".into(), &"window".into())
+        (&"OS".into(), &"window".into())
     );
     assert_eq!(
         (&report["orbit_deg"], &report["distance_mm"]),
@@ -215,6 +217,12 @@ fn a_head_path_moves_the_view() {
         sum as f64 / one.len() as f64
     };
     let ([start, walked], [stood, later]) = (frames(&["--head-path", "walk"]), frames(&[]));
+    // Of an eye that is not in the picture nothing is said.
+    let report = fs::read(files.path("out/report.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_slice(&report).expect("JSON");
+    let null = serde_json::Value::Null;
+    assert_eq!((&report["light"], &report["orbit_deg"]), (&null, &null));
+    assert_eq!(report["threshold"], 20);
     let (begins, ends) = (apart(&start, &stood), apart(&walked, &later));
     assert!(
         begins < 0.5 && ends > 5.0,

@@ -5,6 +5,7 @@ use super::values::{
     parse_distance, parse_fps, parse_orbit, parse_scene_fps, parse_seconds, parse_seed, parse_size,
     parse_threshold,
 };
+use crate::anatomy::Laterality;
 use crate::lab::measure::MeasureTable;
 use crate::patients::PatientFile;
 use crate::scene::depth_file::DepthUnit;
@@ -26,7 +27,7 @@ pub(super) struct Cli {
     #[command(flatten)]
     pub(super) shown: Shown,
     /// Opens the window with what a link shows: the page's whole address, or what stands after its #.
-    /// --patient, --scene and --seed given beside it win.
+    /// --patient, --eye, --scene and --seed given beside it win.
     #[arg(long, value_name = "LINK")]
     pub(super) link: Option<String>,
 }
@@ -37,6 +38,9 @@ pub(super) struct Shown {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
     #[arg(long, default_value = "healthy-brown", value_name = "P")]
     pub(super) patient: PathBuf,
+    /// The eye that is drawn and that sees, right or left; as the patient's file says without it.
+    #[arg(long, value_enum, value_name = "EYE", ignore_case = true)]
+    pub(super) eye: Option<EyeArg>,
     /// A built-in scene (`ocularium scenes`), a glTF or GLB file, a photograph (PNG, JPEG, WebP, GIF,
     /// TIFF, BMP), or pictures that follow one another: a folder of them, or a moving GIF, PNG or WebP.
     #[arg(long, default_value = "room", value_name = "S")]
@@ -159,6 +163,26 @@ impl StageArg {
                 eye.look_refraction = 0.0;
             }
         })
+    }
+}
+
+/// [`Laterality`] on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum EyeArg {
+    /// The right eye.
+    #[value(name = "OD")]
+    Right,
+    /// The left eye.
+    #[value(name = "OS")]
+    Left,
+}
+
+impl EyeArg {
+    pub(super) fn laterality(self) -> Laterality {
+        match self {
+            Self::Right => Laterality::OD,
+            Self::Left => Laterality::OS,
+        }
     }
 }
 

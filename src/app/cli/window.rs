@@ -113,6 +113,9 @@ fn requested(
         start.seed = shown.seed;
     }
     let mut wanted = session_of(&start)?;
+    if let Some(eye) = shown.eye {
+        wanted.patient.eye = eye.laterality();
+    }
     if given("patient") || given("scene") {
         let own = session(shown)?;
         if given("patient") {
@@ -139,7 +142,7 @@ fn again(arguments: &[OsString], link: &str, keeps_scene: bool) -> Vec<OsString>
         "--depth-far",
     ];
     let scene = if keeps_scene { &scene[..0] } else { &scene[..] };
-    let stale = [&["--link", "--patient", "--seed"][..], scene].concat();
+    let stale = [&["--link", "--patient", "--eye", "--seed"][..], scene].concat();
     let mut kept: Vec<OsString> = Vec::new();
     let mut arguments = arguments.iter();
     while let Some(argument) = arguments.next() {
@@ -164,8 +167,9 @@ mod tests {
     #[test]
     fn a_window_that_opens_again_keeps_the_users_scene_and_takes_the_rest_from_the_link() {
         let arguments = |text: &str| text.split(' ').map(OsString::from).collect::<Vec<_>>();
-        let given =
-            arguments("--scene a.glb --patient myope-3d --link=v=1 --scene-unit cm --seed 4");
+        let given = arguments(
+            "--scene a.glb --patient myope-3d --eye OS --link=v=1 --scene-unit cm --seed 4",
+        );
         assert_eq!(
             again(&given, "v=1&seed=9", true),
             arguments("--scene a.glb --scene-unit cm --link v=1&seed=9")
