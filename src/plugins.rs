@@ -32,7 +32,7 @@ pub mod prelude {
     pub use crate::motion::engine::GazeCommand;
     pub use crate::motion::{GazeController, MotionCommand};
     pub use crate::patients::{PatientFile, load_patient};
-    pub use crate::percept::{Percept, SeesAs, SharpnessField, ViewOptions, WatchMaterial};
+    pub use crate::percept::{Percept, SeesAs, SharpnessField, ViewOptions};
     pub use crate::scene::photo_view::Photograph;
     pub use bevy::camera::Hdr;
 }

@@ -161,7 +161,7 @@ fn a_recording_that_is_stopped_leaves_whole_files_and_says_so() {
             .spawn()
             .expect("it starts")
     };
-    let running = started("100000");
+    let mut running = started("100000");
     let second = out.path().join("frame_00001.png");
     let begun = Instant::now();
     while !second.exists() {
@@ -172,6 +172,13 @@ fn a_recording_that_is_stopped_leaves_whole_files_and_says_so() {
         .args(["-INT", &running.id().to_string()])
         .status();
     assert!(sent.expect("kill is there").success());
+    let begun = Instant::now();
+    while running.try_wait().expect("it is there").is_none() {
+        if begun.elapsed() > Duration::from_secs(240) {
+            running.kill().expect("it is killed");
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
     let ended = running.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert_eq!(ended.status.code(), Some(130), "{said}");

@@ -9,7 +9,7 @@ use super::render::RenderError;
 use crate::frame::panel::target_image;
 use crate::frame::picture::encode_png;
 use crate::output_file::{WriteError, write_whole};
-use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin};
+use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin, ctrlc};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::window::WindowRef;
@@ -106,7 +106,7 @@ impl Recording {
 /// Bevy's default plugins: with a window, or, for a recording, without.
 pub fn plugins(recording: Option<&Recording>) -> PluginGroupBuilder {
     match recording {
-        Some(_) => super::headless::plugins().enable::<TerminalCtrlCHandlerPlugin>(),
+        Some(_) => super::headless::plugins(),
         None => DefaultPlugins.build(),
     }
 }
@@ -127,8 +127,14 @@ impl Plugin for RecordPlugin {
             .world_mut()
             .resource_mut::<Assets<Image>>()
             .add(target_image(recording.size));
+        // Bevy's plugin would leave it to whoever started this, who may have it ignored, as a shell does for what it
+        // runs in the background.
+        if let Err(error) = ctrlc::set_handler(TerminalCtrlCHandlerPlugin::gracefully_exit) {
+            warn!("Ctrl-C ends this at once: {error}");
+        }
         app.insert_resource(InWindowsPlace(picture.clone()))
             .add_systems(PreUpdate, take_windows_place)
+            .add_systems(Update, TerminalCtrlCHandlerPlugin::exit_on_flag)
             .set_runner(move |app| match record(app, &recording, &picture) {
                 Ok(true) => AppExit::Success,
                 Ok(false) => AppExit::from_code(INTERRUPTED),

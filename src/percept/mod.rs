@@ -24,7 +24,6 @@ mod view;
 
 pub use capture::fast;
 pub use capture::sight::SceneChanges;
-pub use capture::watch::WatchMaterial;
 pub use field::{SharpnessField, sharpness_field};
 pub use frame::{CaptureResult, PerceptFrame};
 pub use present::{gather, gather_ellipse, veil};

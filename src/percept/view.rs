@@ -263,7 +263,7 @@ impl Percept {
         self.has_looked = false;
     }
 
-    /// Takes the picture again, for a change that nobody else notices: of a material of one's own, say.
+    /// Takes the picture again, for a change that nobody else notices: of a texture of a material of one's own, say.
     pub fn take_again(&mut self) {
         self.is_outdated = true;
     }

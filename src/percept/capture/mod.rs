@@ -7,7 +7,6 @@ pub mod fast;
 mod readback;
 pub(super) mod sight;
 mod view_images;
-pub(super) mod watch;
 pub(super) mod when;
 
 pub(super) use readback::{Readback, Staging};

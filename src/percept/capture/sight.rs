@@ -59,7 +59,7 @@ impl SceneChanges {
         &self.movers
     }
 
-    pub(super) fn add(&mut self, layers: Option<&RenderLayers>) {
+    fn add(&mut self, layers: Option<&RenderLayers>) {
         let layers = layers.cloned().unwrap_or_default();
         self.touched = Some(match self.touched.take() {
             None => layers,
@@ -310,7 +310,7 @@ pub(in crate::percept) fn notice(
 }
 
 /// The ids of assets that were changed in place.
-pub(super) fn modified<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<AssetId<A>> {
+fn modified<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<AssetId<A>> {
     events
         .read()
         .filter_map(|event| match event {
