@@ -267,7 +267,7 @@ pub fn render(
         scene,
         light: shown[0].then(|| light.name()),
         // Plus nothing: minus nothing is nothing.
-        orbit_deg: shown[0].then(|| [orbit.azimuth_deg + 0.0, orbit.elevation_deg + 0.0]),
+        orbit_deg: shown[0].then_some([orbit.azimuth_deg + 0.0, orbit.elevation_deg + 0.0]),
         distance_mm: shown[0].then_some(orbit.distance_mm),
         threshold: shown[1].then_some(request.options.threshold),
         panel: request.panels,
