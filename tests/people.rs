@@ -614,56 +614,76 @@ fn take<C: Component + Clone>(world: &mut World, entity: Entity) -> PutBack {
     })
 }
 
+macro_rules! of_eye {
+    ($component:ident, $shows:expr) => {
+        (
+            stringify!($component),
+            |world, eye, _| take::<$component>(world, eye),
+            $shows,
+        )
+    };
+}
+macro_rules! of_person {
+    ($component:ident, $shows:expr) => {
+        (
+            stringify!($component),
+            |world, _, person| take::<$component>(world, person),
+            $shows,
+        )
+    };
+}
+
+/// Takes each component out and puts it in again. Where it shows, what is gone `is_seen`, given how far the
+/// pictures without it and those with it again are from those before; where not, nothing is. `is_whole` says
+/// that an eye without it still sees.
+fn take_and_put_back(
+    headless: &mut Headless,
+    removals: &[Removal],
+    is_whole: bool,
+    is_seen: impl Fn(f64, f64) -> bool,
+) {
+    let patient = headless.stage().patient;
+    for (name, remove, shows) in removals {
+        let eye = right_eye(headless);
+        let before = pictures_later(headless, true);
+        let put_back = remove(headless.world(), eye, patient);
+        let without = pictures_later(headless, is_whole);
+        put_back(headless.world());
+        let after = pictures_later(headless, true);
+        for panel in 0..2 {
+            let shown = ["eye", "view"][panel];
+            let gone = difference(&before[panel], &without[panel]);
+            let back = difference(&before[panel], &after[panel]);
+            println!("{name:14} {shown:4} without it {gone:7.3}, with it again {back:.3}");
+            if shows[panel] {
+                assert!(is_seen(gone, back), "{name}: the {shown} differs by {gone}");
+            } else {
+                assert!(gone < 0.6, "{name}: the {shown} differs by {gone}");
+            }
+            // Pupils are never at rest.
+            assert!(back < 0.6, "{name}: the {shown} differs by {back}");
+        }
+    }
+}
+
 /// Every component of a person and of an eye that somebody may set, and which panels show that it is gone.
 const REMOVALS: &[Removal] = &[
-    ("Cornea", |w, eye, _| take::<Cornea>(w, eye), [true, true]),
-    ("Iris", |w, eye, _| take::<Iris>(w, eye), [true, true]),
-    ("Sclera", |w, eye, _| take::<Sclera>(w, eye), [true, false]),
-    ("Lens", |w, eye, _| take::<Lens>(w, eye), [false, false]),
-    (
-        "Refraction",
-        |w, eye, _| take::<Refraction>(w, eye),
-        [true, true],
-    ),
-    ("Lids", |w, eye, _| take::<Lids>(w, eye), [true, true]),
-    ("Gaze", |w, eye, _| take::<Gaze>(w, eye), [false, true]),
-    ("Pupil", |w, eye, _| take::<Pupil>(w, eye), [false, true]),
-    (
-        "Accommodation",
-        |w, eye, _| take::<Accommodation>(w, eye),
-        [false, true],
-    ),
-    (
-        "OcularMedia",
-        |w, eye, _| take::<OcularMedia>(w, eye),
-        [false, false],
-    ),
-    (
-        "VisualField",
-        |w, eye, _| take::<VisualField>(w, eye),
-        [false, false],
-    ),
-    (
-        "Skin",
-        |w, _, patient| take::<Skin>(w, patient),
-        [true, false],
-    ),
-    (
-        "Eyelids",
-        |w, _, patient| take::<Eyelids>(w, patient),
-        [false, true],
-    ),
-    ("Look", |w, eye, _| take::<Look>(w, eye), [false, false]),
-    (
-        "PupilControl",
-        |w, _, patient| take::<PupilControl>(w, patient),
-        [false, false],
-    ),
-    (
-        "Adaptation",
-        |w, _, patient| take::<Adaptation>(w, patient),
-        [false, false],
-    ),
+    of_eye!(Cornea, [true, true]),
+    of_eye!(Iris, [true, true]),
+    of_eye!(Sclera, [true, false]),
+    of_eye!(Lens, [false, false]),
+    of_eye!(Refraction, [true, true]),
+    of_eye!(Lids, [true, true]),
+    of_eye!(Gaze, [false, true]),
+    of_eye!(Pupil, [false, true]),
+    of_eye!(Accommodation, [false, true]),
+    of_eye!(OcularMedia, [false, false]),
+    of_eye!(VisualField, [false, false]),
+    of_person!(Skin, [true, false]),
+    of_person!(Eyelids, [false, true]),
+    of_eye!(Look, [false, false]),
+    of_person!(PupilControl, [false, false]),
+    of_person!(Adaptation, [false, false]),
 ];
 
 /// Whatever is taken out of a person or an eye, nothing stops; and when it is put back both panels show again
@@ -678,62 +698,21 @@ fn every_component_may_go_and_come_back() {
     look(&mut headless, 0.0, 0.0, 0.15);
     headless.go_to(0.5);
     headless.go_to(4.0);
-    let patient = headless.stage().patient;
-    for (name, remove, shows) in REMOVALS {
-        let eye = right_eye(&mut headless);
-        let before = pictures_later(&mut headless, true);
-        let put_back = remove(headless.world(), eye, patient);
-        let without = pictures_later(&mut headless, false);
-        put_back(headless.world());
-        let after = pictures_later(&mut headless, true);
-        for panel in 0..2 {
-            let shown = ["eye", "view"][panel];
-            let gone = difference(&before[panel], &without[panel]);
-            let back = difference(&before[panel], &after[panel]);
-            println!("{name:14} {shown:4} without it {gone:7.3}, with it again {back:.3}");
-            // An eye that is not whole is not drawn, or not drawn anew, and sees nothing.
-            if shows[panel] {
-                assert!(gone > 30.0, "{name}: the {shown} differs by {gone}");
-            } else {
-                assert!(gone < 0.6, "{name}: the {shown} differs by {gone}");
-            }
-            // Pupils are never at rest.
-            assert!(back < 0.6, "{name}: the {shown} differs by {back}");
-        }
-    }
+    // An eye that is not whole is not drawn, or not drawn anew, and sees nothing.
+    take_and_put_back(&mut headless, REMOVALS, false, |gone, _| gone > 30.0);
 }
 
 /// Components of somebody with clouded lenses, a lost field, an artist's irises and wide pupils, and which
 /// panels show that they are gone.
 const UNUSUAL: &[Removal] = &[
-    ("Look", |w, eye, _| take::<Look>(w, eye), [true, false]),
-    (
-        "PupilControl",
-        |w, _, patient| take::<PupilControl>(w, patient),
-        [true, true],
-    ),
+    of_eye!(Look, [true, false]),
+    of_person!(PupilControl, [true, true]),
     // What conditions write they write again.
-    (
-        "VisualField",
-        |w, eye, _| take::<VisualField>(w, eye),
-        [false, false],
-    ),
-    (
-        "OcularMedia",
-        |w, eye, _| take::<OcularMedia>(w, eye),
-        [false, false],
-    ),
-    (
-        "Glaucoma",
-        |w, eye, _| take::<Glaucoma>(w, eye),
-        [false, true],
-    ),
-    (
-        "Cataract",
-        |w, eye, _| take::<Cataract>(w, eye),
-        [true, true],
-    ),
-    ("Lens", |w, eye, _| take::<Lens>(w, eye), [false, true]),
+    of_eye!(VisualField, [false, false]),
+    of_eye!(OcularMedia, [false, false]),
+    of_eye!(Glaucoma, [false, true]),
+    of_eye!(Cataract, [true, true]),
+    of_eye!(Lens, [false, true]),
 ];
 
 /// What somebody has otherwise than usual is gone with its component, and back with it.
@@ -763,30 +742,9 @@ fn what_is_unusual_goes_with_its_component() {
         distance_mm: 45.0,
         ..default()
     });
-    let patient = headless.stage().patient;
-    for (name, remove, shows) in UNUSUAL {
-        let eye = right_eye(&mut headless);
-        let before = pictures_later(&mut headless, true);
-        let put_back = remove(headless.world(), eye, patient);
-        let without = pictures_later(&mut headless, true);
-        put_back(headless.world());
-        let after = pictures_later(&mut headless, true);
-        for panel in 0..2 {
-            let shown = ["eye", "view"][panel];
-            let gone = difference(&before[panel], &without[panel]);
-            let back = difference(&before[panel], &after[panel]);
-            println!("{name:14} {shown:4} without it {gone:7.3}, with it again {back:.3}");
-            if shows[panel] {
-                assert!(
-                    gone > 0.2 + 2.0 * back,
-                    "{name}: the {shown} differs by {gone}"
-                );
-            } else {
-                assert!(gone < 0.6, "{name}: the {shown} differs by {gone}");
-            }
-            assert!(back < 0.6, "{name}: the {shown} differs by {back}");
-        }
-    }
+    take_and_put_back(&mut headless, UNUSUAL, true, |gone, back| {
+        gone > 0.2 + 2.0 * back
+    });
 }
 
 /// Two people, one of whom is far older, move by the same clock, and their eyes meet on what they look at.
