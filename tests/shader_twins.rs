@@ -252,10 +252,14 @@ fn the_eyes_entry_files_bind_and_call() {
             "head_from_eye",
             "inner_image",
             "iris_lamp_at",
+            "lamellae_reflected",
+            "lamellae_through",
             "lamp_at",
+            "lids_at",
             "mirror_eye",
             "mirrored",
             "shown",
+            "sky_at",
             "through_cornea",
             "vertex"
         ]

@@ -66,8 +66,8 @@ struct Globe {
     above_vessels: vec3<f32>,
     // How many times as thick as in its map the iris is.
     iris_thicken: f32,
-    // Irradiance of the iris under an even sky, see iris_ambient.
-    iris_sky: array<vec4<f32>, 8>,
+    // Irradiance of the iris under an even sky at a place (`iris_sky_knot`), and at the next.
+    iris_sky: array<vec4<f32>, 32>,
     // How deep its furrows are.
     iris_furrows: f32,
     // Apical radius and shape factor of the lens's front and back, the latter bulging into the eye.
@@ -87,7 +87,7 @@ struct Globe {
     // What the fundus sends back, through the media.
     fundus: vec3<f32>,
     arcus: f32,
-    // What lamellae of the sclera send back and pass, see limbus_lamellae.
+    // What lamellae of the sclera send back and pass, see lamellae_knot.
     lamellae_reflect: array<vec4<f32>, 8>,
     lamellae_pass: array<vec4<f32>, 8>,
     tissue: IrisTissue,
@@ -115,7 +115,33 @@ fn head_from_eye() -> mat3x3f {
     return mat3x3f(globe.head_from_eye[0].xyz, globe.head_from_eye[1].xyz, globe.head_from_eye[2].xyz);
 }
 
+// The lids' shade at a point p of the head frame.
+fn lids_at(p: vec3f) -> LidShade {
+    let at = lid_knot(p.x);
+    return lid_shade(globe.lids.spans[at.below], at.part, p);
+}
+
 #ifdef CORNEA
+// What of the sky's light reaches the iris' plane `radius` mm from the axis.
+fn sky_at(radius: f32) -> f32 {
+    let at = iris_sky_knot(radius, globe.iris_root_mm);
+    let values = globe.iris_sky[at.below];
+    return mix(values.x, values.y, at.part);
+}
+
+// What this share of the sclera's lamellae leaves to see of the cornea.
+fn lamellae_through(share: f32) -> vec3f {
+    let at = lamellae_knot(share);
+    let passed = mix(globe.lamellae_pass[at.below], globe.lamellae_pass[at.below + 1], at.part);
+    return limbus_through(passed.rgb, globe.lamellae_pass[7].rgb);
+}
+
+// What it sends back.
+fn lamellae_reflected(share: f32) -> vec3f {
+    let at = lamellae_knot(share);
+    return mix(globe.lamellae_reflect[at.below], globe.lamellae_reflect[at.below + 1], at.part).rgb;
+}
+
 fn mirror_eye() -> MirrorEye {
     return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.lens_front, globe.lens_back, globe.thickness_mm, globe.iris_depth_mm + globe.lens_forward_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
 }
@@ -179,16 +205,16 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
     // The sky's light in the lids' shade where it comes from, before this place.
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
-    let before = lid_shade(globe.lids, head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
+    let before = lids_at(head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
     let around = ambient(-head_from_eye()[2]) * before.sky;
-    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, iris_sky(globe.iris_sky, length(surface.at), globe.iris_root_mm)) * around;
+    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;
     var light = around;
     for (var i = 0; i < LAMPS; i++) {
         let lamp = iris_lamp_at(i, surface.at);
         let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, surface.at, globe.iris_root_mm, globe.limbus_mm);
         // In the lids' shade where it enters.
         let enters = light_entry(vec3f(surface.at, globe.iris_depth_mm), arrives.xyz, vec2f(globe.anterior_radius_mm, globe.anterior_p));
-        let lids = lid_shade(globe.lids, head_from_eye() * (enters + apex));
+        let lids = lids_at(head_from_eye() * (enters + apex));
         let color = lamp.color * lid_lamp(lids, head_from_eye() * lamp.direction, lamp.radius);
         var concentrated = 1.0;
 #ifdef ARTISTIC
@@ -244,7 +270,12 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     normal = normalize(mix(normalize(p), eye_from_head * normal, smoothstep(0.0, 0.9, in.tissue.b)));
 #endif
     let direction = normalize(p - camera);
+#ifdef WHITE
     var corneal = 0.0;
+#else
+    // Within the limbus nothing but the cornea is seen.
+    let corneal = 1.0;
+#endif
 #ifdef CORNEA
     var sine = 0.0;
     var from_axis = 0.0;
@@ -256,6 +287,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let r = length(hit.xy);
         sine = hit.y / max(r, 1e-3);
         from_axis = r;
+        if r < globe.limbus_mm { p = hit + apex; }
+#ifdef WHITE
         let wide = limbus_width(sine);
 #ifdef ARTISTIC
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_color_mm), globe.limbus_mm);
@@ -264,12 +297,14 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * 0.9), globe.limbus_mm);
         let shaped = corneal;
 #endif
-        if r < globe.limbus_mm { p = hit + apex; }
         normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior_radius_mm, globe.anterior_p), shaped);
+#else
+        normal = conicoid_normal(hit, globe.anterior_radius_mm, globe.anterior_p);
+#endif
     }
 #endif
     let p_head = head_from_eye() * p;
-    var shade = lid_shade(globe.lids, p_head);
+    var shade = lids_at(p_head);
 #ifdef CONJUNCTIVA
     // Towards the corner it rises to the margins, and less hangs over it.
     shade.sky = mix(shade.sky, in.tissue.a, 0.7 * in.tissue.b);
@@ -290,6 +325,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var diffuse = vec3f(0.0);
     var specular = vec3f(0.0);
     var wet_normal = normal;
+#ifdef WHITE
     if corneal < 1.0 {
         var sclera = sclera_surface(sclera_map, vessel_map, sclera_sampler, p, normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
 #ifdef ARTISTIC
@@ -322,14 +358,17 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #endif
         diffuse = albedo * light * sclera_lid_bounce(shade);
     }
+#endif
 #ifdef CORNEA
     if corneal > 0.0 {
+#ifdef WHITE
 #ifdef ARTISTIC
         let lies_over = 1.0 - pow(corneal, globe.look.limbus_power);
-        let dims = pow(limbus_through(globe.lamellae_pass, lies_over), vec3f(globe.look.limbus_dark));
+        let dims = pow(lamellae_through(lies_over), vec3f(globe.look.limbus_dark));
 #else
         let lies_over = 1.0 - corneal;
-        let dims = limbus_through(globe.lamellae_pass, lies_over);
+        let dims = lamellae_through(lies_over);
+#endif
 #endif
         var through = through_cornea(origin, direction, footprint, shade);
 #ifdef ARCUS
@@ -341,9 +380,13 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
         }
         let lipid = ARCUS_DENSEST * arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus);
-        through = through * limbus_through(globe.lamellae_pass, lipid) + limbus_lamellae(globe.lamellae_reflect, lipid) * light;
+        through = through * lamellae_through(lipid) + lamellae_reflected(lipid) * light;
 #endif
-        diffuse = diffuse * limbus_white(globe.lamellae_reflect, lies_over) + through * dims;
+#ifdef WHITE
+        diffuse = diffuse * limbus_white(lamellae_reflected(lies_over), globe.lamellae_reflect[7].rgb) + through * dims;
+#else
+        diffuse = through;
+#endif
     }
 #endif
 

@@ -1,3 +1,5 @@
+// needs: knots.wgsl
+//
 // Light of a lamp on the iris plane, read from the eye's own table.
 // Twin: src/appearance/light_table.rs.
 
@@ -33,14 +35,9 @@ fn iris_light(table: texture_2d<f32>, linear: sampler, light: vec3f, p: vec2f, r
     return vec4f(towards, -sqrt(max(1.0 - dot(towards, towards), 0.04)), t.z * inside * fade);
 }
 
-// Irradiance of the iris' plane at `radius` mm from the axis under an even sky, one in front of the eye; `sky` are its values
-// evenly from the axis to the table's reach.
-fn iris_sky(sky: array<vec4<f32>, 8>, radius: f32, root_mm: f32) -> f32 {
-    var values = sky;
-    let place = clamp(radius / (root_mm * IRIS_LIGHT_REACH), 0.0, 1.0) * 31.0;
-    let below = min(i32(place), 30);
-    let next = below + 1;
-    return mix(values[below / 4][below % 4], values[next / 4][next % 4], place - f32(below));
+// Between which places of the sky's irradiance on the iris' plane `radius` mm from the axis lies.
+fn iris_sky_knot(radius: f32, root_mm: f32) -> Knot {
+    return knot_at(radius / (root_mm * IRIS_LIGHT_REACH), 32);
 }
 
 // By how much light on the iris changes where the cornea's concentration of it, `own` times, is taken to this power and its

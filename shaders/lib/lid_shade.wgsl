@@ -1,22 +1,19 @@
+// needs: knots.wgsl
+//
 // What the lids leave of the light on the globe. Twin: src/appearance/shading/lid_shade.rs.
 
 const LID_SAMPLES: i32 = 32;
 const LID_HALF_SPAN_MM: f32 = 20.0;
 
 struct Lids {
-    // Heights (y, mm, head frame) of the lid margins at LID_SAMPLES places
-    // from x = -LID_HALF_SPAN_MM to +LID_HALF_SPAN_MM, four to a vector.
-    upper: array<vec4<f32>, 8>,
-    lower: array<vec4<f32>, 8>,
+    // Heights (y, mm, head frame) of the lid margins at LID_SAMPLES places from x = -LID_HALF_SPAN_MM to +LID_HALF_SPAN_MM: of the
+    // upper one at a place and at the next, of the lower one at both.
+    spans: array<vec4<f32>, 32>,
 };
 
-fn lid_height(heights: array<vec4<f32>, 8>, x: f32) -> f32 {
-    var table = heights;
-    let at = clamp((x + LID_HALF_SPAN_MM) / (2.0 * LID_HALF_SPAN_MM), 0.0, 1.0) * f32(LID_SAMPLES - 1);
-    let i = min(i32(at), LID_SAMPLES - 2);
-    let a = table[i / 4][i % 4];
-    let b = table[(i + 1) / 4][(i + 1) % 4];
-    return mix(a, b, at - f32(i));
+// Between which places of the margins x (mm, head frame) lies; flat beyond them.
+fn lid_knot(x: f32) -> Knot {
+    return knot_at((x + LID_HALF_SPAN_MM) / (2.0 * LID_HALF_SPAN_MM), LID_SAMPLES);
 }
 
 // `contact` is what of any lamp the lower lid's edge leaves.
@@ -26,11 +23,11 @@ struct LidShade { sky: f32, contact: f32, upper_gap: f32, lower_gap: f32 };
 const LID_EDGE_MM: f32 = 1.3;
 const LID_EDGE_SOFT_MM: f32 = 1.2;
 
-// How much of the sky and of lamps the lids leave at a point p (head frame) of the globe: the upper lid and its lashes
-// overhang, so that a soft band lies below its margin; the lower lid only touches.
-fn lid_shade(lids: Lids, p: vec3<f32>) -> LidShade {
-    let upper = lid_height(lids.upper, p.x) - p.y;
-    let lower = p.y - lid_height(lids.lower, p.x);
+// How much of the sky and of lamps the lids leave at a point p (head frame) of the globe, whose x lies at this part of this span of
+// the margins (`lid_knot`): the upper lid and its lashes overhang, so that a soft band lies below its margin; the lower lid only touches.
+fn lid_shade(span: vec4<f32>, part: f32, p: vec3<f32>) -> LidShade {
+    let upper = mix(span.x, span.y, part) - p.y;
+    let lower = p.y - mix(span.z, span.w, part);
     let u = max(upper, 0.0);
     let l = max(lower, 0.0);
     var shade: LidShade;

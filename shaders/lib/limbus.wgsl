@@ -1,3 +1,5 @@
+// needs: knots.wgsl
+//
 // The limbus, where the cornea goes over into the sclera. Twin: src/appearance/shading/limbus.rs.
 
 // Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
@@ -10,23 +12,21 @@ fn limbus_normal(globe: vec3f, cornea: vec3f, share: f32) -> vec3f {
     return normalize(mix(globe, cornea, smoothstep(0.0, 0.35, share)));
 }
 
-// What lamellae do where this share of their thickness lies over the cornea; `table` has it at the squares of even steps.
-fn limbus_lamellae(table: array<vec4<f32>, 8>, share: f32) -> vec3f {
-    var values = table;
-    let place = sqrt(clamp(share, 0.0, 1.0)) * 7.0;
-    let below = min(i32(place), 6);
-    return mix(values[below].rgb, values[below + 1].rgb, place - f32(below));
+// Between which knots of the lamellae's tables, of what they do at the squares of even shares of their thickness, this share of it
+// lies; the last knot is all of the sclera.
+fn lamellae_knot(share: f32) -> Knot {
+    return knot_at(sqrt(clamp(share, 0.0, 1.0)), 8);
 }
 
-// How much of the white's colour is seen there: all of it where all of the sclera is.
-fn limbus_white(reflects: array<vec4<f32>, 8>, share: f32) -> vec3f {
-    return limbus_lamellae(reflects, share) / max(reflects[7].rgb, vec3f(1e-3));
+// How much of the white's colour is seen where lamellae send this back and all of the sclera `whole`.
+fn limbus_white(reflected: vec3f, whole: vec3f) -> vec3f {
+    return reflected / max(whole, vec3f(1e-3));
 }
 
-// How much of what lies behind the cornea: lit and seen through the lamellae, and nothing of it where all of the sclera is.
-fn limbus_through(passes: array<vec4<f32>, 8>, share: f32) -> vec3f {
-    let last = passes[7].rgb;
-    let kept = (limbus_lamellae(passes, share) - last) / max(vec3f(1.0) - last, vec3f(1e-3));
+// How much of what lies behind the cornea is lit and seen where lamellae pass this and all of the sclera `whole`: nothing of it
+// there.
+fn limbus_through(passed: vec3f, whole: vec3f) -> vec3f {
+    let kept = (passed - whole) / max(vec3f(1.0) - whole, vec3f(1e-3));
     return kept * kept;
 }
 

@@ -9,8 +9,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::face_region::{EyeRegion, PosedRegion};
-use super::hair::{HairMesh, RINGS, hair_indices, hair_parameter};
+use super::hair::{HairMesh, hair_indices, hair_parameter};
 use crate::optics::smoothstep::smoothstep;
+
+/// Rings along a hair of the brow, which is straighter than a lash: there are 700 of them, so most of the vertices of an eye are
+/// theirs.
+pub const RINGS: usize = 5;
 
 #[derive(Clone, Copy, Debug)]
 struct BrowHair {
@@ -70,8 +74,8 @@ impl Brow {
         let planted = hairs.len();
         Self {
             hairs,
-            indices: hair_indices(planted),
-            parameter: hair_parameter(planted),
+            indices: hair_indices(planted, RINGS),
+            parameter: hair_parameter(planted, RINGS),
         }
     }
 
@@ -102,7 +106,7 @@ impl Brow {
             let up = if up.y < 0.0 { -up } else { up };
             let mut p = at(&region.positions, hair) - normal * 0.1;
             let step = hair.length_mm / (RINGS - 1) as f32;
-            let line = std::array::from_fn(|ring| {
+            let line: [Vec3; RINGS] = std::array::from_fn(|ring| {
                 let here = p;
                 let s = (ring as f32 + 0.5) / (RINGS - 1) as f32;
                 let (sin, cos) = (hair.rise + hair.bend * s).sin_cos();

@@ -1,12 +1,10 @@
 //! Hairs as thin tapered tubes with three sides.
 //!
 //! In: the centre line of each hair and its radius at the root. Out: one mesh with a fixed topology:
-//! [`RINGS`] rings of [`SIDES`] vertices a hair, root first. Any length unit; the eye uses mm.
+//! for each point of a line a ring of [`SIDES`] vertices, root first. Any length unit; the eye uses mm.
 
 use glam::Vec3;
 
-/// Rings along a hair.
-pub const RINGS: usize = 8;
 /// Vertices around a ring.
 pub const SIDES: usize = 3;
 
@@ -19,12 +17,12 @@ pub struct HairMesh {
     pub normals: Vec<[f32; 3]>,
 }
 
-/// Triangles of `hairs` hairs, counter-clockwise from outside.
-pub fn hair_indices(hairs: usize) -> Vec<u32> {
-    let mut out = Vec::with_capacity(hairs * (RINGS - 1) * SIDES * 6);
+/// Triangles of `hairs` hairs of so many rings (2 or more), counter-clockwise from outside.
+pub fn hair_indices(hairs: usize, rings: usize) -> Vec<u32> {
+    let mut out = Vec::with_capacity(hairs * (rings - 1) * SIDES * 6);
     for h in 0..hairs {
-        let at = |ring: usize, side: usize| ((h * RINGS + ring) * SIDES + side % SIDES) as u32;
-        for ring in 0..RINGS - 1 {
+        let at = |ring: usize, side: usize| ((h * rings + ring) * SIDES + side % SIDES) as u32;
+        for ring in 0..rings - 1 {
             for side in 0..SIDES {
                 let [a, b] = [at(ring, side), at(ring, side + 1)];
                 let [c, d] = [at(ring + 1, side + 1), at(ring + 1, side)];
@@ -35,10 +33,10 @@ pub fn hair_indices(hairs: usize) -> Vec<u32> {
     out
 }
 
-/// Root (0) to tip (1) for each vertex of `hairs` hairs.
-pub fn hair_parameter(hairs: usize) -> Vec<f32> {
-    (0..hairs * RINGS * SIDES)
-        .map(|i| (i / SIDES % RINGS) as f32 / (RINGS - 1) as f32)
+/// Root (0) to tip (1) for each vertex of `hairs` hairs of so many rings (2 or more).
+pub fn hair_parameter(hairs: usize, rings: usize) -> Vec<f32> {
+    (0..hairs * rings * SIDES)
+        .map(|i| (i / SIDES % rings) as f32 / (rings - 1) as f32)
         .collect()
 }
 
@@ -49,18 +47,19 @@ impl HairMesh {
         self.normals.clear();
     }
 
-    /// Adds one hair along `line` ([`RINGS`] points), `radius` at the root, a fifth of it at the tip.
-    pub fn push(&mut self, line: &[Vec3; RINGS], radius: f32) {
+    /// Adds one hair along `line` (2 points or more), `radius` at the root, a fifth of it at the tip.
+    pub fn push(&mut self, line: &[Vec3], radius: f32) {
+        let last = line.len().saturating_sub(1);
         let mut side = Vec3::ZERO;
-        for ring in 0..RINGS {
-            let along = (line[(ring + 1).min(RINGS - 1)] - line[ring.saturating_sub(1)])
+        for ring in 0..line.len() {
+            let along = (line[(ring + 1).min(last)] - line[ring.saturating_sub(1)])
                 .normalize_or(Vec3::NEG_Z);
             // Carried along the hair, so that the tube does not twist.
             side = (side - along * side.dot(along))
                 .try_normalize()
                 .unwrap_or_else(|| along.any_orthonormal_vector());
             let other = along.cross(side);
-            let s = ring as f32 / (RINGS - 1) as f32;
+            let s = ring as f32 / last as f32;
             let thick = radius * (0.2 + 0.8 * (1.0 - s * s));
             for k in 0..SIDES {
                 let (sin, cos) = (std::f32::consts::TAU * k as f32 / SIDES as f32).sin_cos();
@@ -77,15 +76,18 @@ impl HairMesh {
 mod tests {
     use super::*;
 
+    const RINGS: usize = 8;
+
     #[test]
     fn a_hair_has_the_asked_length_taper_and_outward_triangles() {
-        let line = std::array::from_fn(|i| Vec3::new(0.0, i as f32, 0.1 * (i * i) as f32));
+        let line: [Vec3; RINGS] =
+            std::array::from_fn(|i| Vec3::new(0.0, i as f32, 0.1 * (i * i) as f32));
         let mut mesh = HairMesh::default();
         mesh.push(&line, 0.06);
         assert_eq!(mesh.positions.len(), RINGS * SIDES);
         let width = |ring: usize| Vec3::from(mesh.positions[ring * SIDES]).distance(line[ring]);
         assert!((width(0) - 0.06).abs() < 1e-6 && (width(RINGS - 1) - 0.012).abs() < 1e-6);
-        for t in hair_indices(1).chunks(3) {
+        for t in hair_indices(1, RINGS).chunks(3) {
             let p = |k: usize| Vec3::from(mesh.positions[t[k] as usize]);
             let face = (p(1) - p(0)).cross(p(2) - p(0));
             let outward = (0..3)
@@ -93,7 +95,7 @@ mod tests {
                 .sum::<Vec3>();
             assert!(face.dot(outward) > 0.0);
         }
-        let s = hair_parameter(2);
+        let s = hair_parameter(2, RINGS);
         assert_eq!(
             (s[0], s[RINGS * SIDES - 1], s[RINGS * SIDES]),
             (0.0, 1.0, 0.0)

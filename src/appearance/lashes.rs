@@ -10,9 +10,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::face_region::{MARGIN_POINTS, PosedRegion};
-use super::hair::{HairMesh, RINGS, hair_indices, hair_parameter};
+use super::hair::{HairMesh, hair_indices, hair_parameter};
 use super::lids::Lid;
 use crate::optics::smoothstep::smoothstep;
+
+/// Rings along a lash.
+pub const RINGS: usize = 8;
 
 /// One lash in the frame of its root.
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +55,8 @@ impl Lashes {
         let count = lashes.len();
         Self {
             lashes,
-            indices: hair_indices(count),
-            parameter: hair_parameter(count),
+            indices: hair_indices(count, RINGS),
+            parameter: hair_parameter(count, RINGS),
         }
     }
 

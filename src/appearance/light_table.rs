@@ -9,6 +9,7 @@
 //! rounding error, and a picture pays for two bilinear look-ups a lamp.
 
 use super::images::{Level, MapView};
+use super::shading::knots::{Knot, knot_at};
 use crate::optics::caustic::caustic_irradiance_at;
 use crate::optics::fermat::{FERMAT_STEPS, fermat_entry};
 use crate::optics::smoothstep::smoothstep;
@@ -24,11 +25,9 @@ pub const FADE: f64 = 0.06;
 /// Places at which [`LightTableSettings::sky`] is known.
 pub const SKY_RADII: usize = 32;
 
-/// [`LightTableSettings::sky`] at `radius` mm from the axis, between its places. Twin: `shaders/lib/iris_light.wgsl`.
-pub fn iris_sky(sky: &[f64; SKY_RADII], radius: f64, root_mm: f64) -> f64 {
-    let place = (radius / (root_mm * REACH)).clamp(0.0, 1.0) * (SKY_RADII - 1) as f64;
-    let below = (place as usize).min(SKY_RADII - 2);
-    sky[below] + (sky[below + 1] - sky[below]) * (place - below as f64)
+/// Between which places of [`LightTableSettings::sky`] `radius` mm from the axis lies. Twin: `shaders/lib/iris_light.wgsl`.
+pub fn iris_sky_knot(radius: f64, root_mm: f64) -> Knot {
+    knot_at(radius / (root_mm * REACH), SKY_RADII)
 }
 
 /// By how much light on the iris changes where the cornea's concentration of it, `own` times, is taken to this
@@ -292,7 +291,7 @@ mod tests {
         };
         for r in [0.0, 1.0, 2.0, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 5.9] {
             // It is straight between places 0.2 mm apart, and bends where the limbus' shade begins.
-            let error = iris_sky(&sky, r, settings.root_mm) - exact(r);
+            let error = iris_sky_knot(r, settings.root_mm).read(&sky) - exact(r);
             assert!(error.abs() < 0.03, "{r}: {error}");
         }
         // Radiance grows by n² where light enters, and comes from everywhere within 48 degrees.

@@ -30,19 +30,26 @@ pub const LID_HALF_SPAN_MM: f32 = 20.0;
 
 /// Heights of the lid margins over x, mm, head frame (struct `Lids`).
 #[derive(Clone, Copy, Debug, ShaderType)]
-pub struct LidHeights {
-    /// The upper margin.
-    pub upper: [Vec4; LID_SAMPLES / 4],
-    /// The lower margin.
-    pub lower: [Vec4; LID_SAMPLES / 4],
+pub struct LidMargins {
+    /// Of the upper margin at each of the places and at the next, then of the lower one.
+    pub spans: [Vec4; LID_SAMPLES],
 }
 
-impl Default for LidHeights {
-    fn default() -> Self {
+impl LidMargins {
+    /// Margins of these heights at [`LID_SAMPLES`] places evenly over twice [`LID_HALF_SPAN_MM`].
+    pub fn new(upper: [f32; LID_SAMPLES], lower: [f32; LID_SAMPLES]) -> Self {
         Self {
-            upper: [Vec4::splat(30.0); LID_SAMPLES / 4],
-            lower: [Vec4::splat(-30.0); LID_SAMPLES / 4],
+            spans: core::array::from_fn(|i| {
+                let next = (i + 1).min(LID_SAMPLES - 1);
+                Vec4::new(upper[i], upper[next], lower[i], lower[next])
+            }),
         }
+    }
+}
+
+impl Default for LidMargins {
+    fn default() -> Self {
+        Self::new([30.0; LID_SAMPLES], [-30.0; LID_SAMPLES])
     }
 }
 
@@ -50,7 +57,7 @@ impl Default for LidHeights {
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub struct GlobeUniform {
     /// The lids' margins.
-    pub lids: LidHeights,
+    pub lids: LidMargins,
     /// Rotation of the globe in the head.
     pub head_from_eye: Mat4,
     /// Apical radius of the cornea's front.
@@ -103,8 +110,8 @@ pub struct GlobeUniform {
     pub above_vessels: Vec3,
     /// How many times as thick as in its map the iris is.
     pub iris_thicken: f32,
-    /// Irradiance of the iris under an even sky, see [`super::light_table::iris_sky`], four to a vector.
-    pub iris_sky: [Vec4; SKY_RADII / 4],
+    /// Irradiance of the iris under an even sky at a place ([`super::light_table::iris_sky_knot`]), and at the next.
+    pub iris_sky: [Vec4; SKY_RADII],
     /// How deep its furrows are against the map's.
     pub iris_furrows: f32,
     /// Apical radius and shape factor of the lens's front.
@@ -180,10 +187,19 @@ pub enum GlobePart {
     /// Everything outside the limbus.
     #[default]
     Sclera,
-    /// Cornea, iris and pupil, and the limbus itself.
+    /// The cornea within the limbus, iris and pupil behind it, and no white.
     Cornea,
+    /// The ring in which cornea and white go over into each other.
+    Limbus,
     /// Plica, caruncle and what joins the lids at the outer corner: it does not turn with the globe.
     Conjunctiva,
+}
+
+impl GlobePart {
+    /// Is the inside of the eye seen through it?
+    pub fn is_corneal(self) -> bool {
+        matches!(self, Self::Cornea | Self::Limbus)
+    }
 }
 
 /// Pipeline key of a [`GlobeMaterial`].
@@ -402,14 +418,16 @@ eye_material!(
     |key| {
         let key = key.bind_group_data;
         let mut defines = match key.part {
-            GlobePart::Sclera => vec![],
-            GlobePart::Conjunctiva => vec!["CONJUNCTIVA"],
-            GlobePart::Cornea => vec!["CORNEA"],
+            GlobePart::Sclera => vec!["WHITE"],
+            GlobePart::Conjunctiva => vec!["WHITE", "CONJUNCTIVA"],
+            // An artist's limbus may be as wide as the cornea.
+            GlobePart::Cornea if !key.artistic => vec!["CORNEA"],
+            GlobePart::Cornea | GlobePart::Limbus => vec!["WHITE", "CORNEA"],
         };
-        if key.part == GlobePart::Cornea && key.clouded {
+        if key.part.is_corneal() && key.clouded {
             defines.push("CLOUDED");
         }
-        if key.part == GlobePart::Cornea && key.arcus {
+        if key.part.is_corneal() && key.arcus {
             defines.push("ARCUS");
         }
         if key.artistic {

@@ -2,11 +2,11 @@
 
 use super::brow::Brow;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
-use super::hair::{HairMesh, RINGS, SIDES};
-use super::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidHeights};
+use super::hair::{HairMesh, SIDES};
+use super::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins};
 use crate::optics::globe::GlobeShape;
 use bevy::asset::RenderAssetUsages;
-use bevy::math::{Vec3, Vec4};
+use bevy::math::Vec3;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 
 pub(super) fn empty_mesh() -> Mesh {
@@ -64,8 +64,8 @@ pub(super) fn fill_hair(
     let count = hair.positions.len();
     let at = |index: usize| Vec3::from(hair.positions[index.min(count - 1)]);
     let along = (0..count).map(|index| {
-        let ring = index / SIDES % RINGS;
-        let (from, to) = if ring + 1 < RINGS {
+        // The last ring has none to point at.
+        let (from, to) = if parameter[index] < 1.0 {
             (index, index + SIDES)
         } else {
             (index - SIDES, index)
@@ -105,19 +105,14 @@ pub(super) fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64, mirro
     mesh
 }
 /// Heights of the margins at fixed x, for the shader's lid shadow.
-pub(super) fn lid_heights(upper: &[Vec3], lower: &[Vec3], mirror: f32) -> LidHeights {
+pub(super) fn lid_margins(upper: &[Vec3], lower: &[Vec3], mirror: f32) -> LidMargins {
     let sample = |margin: &[Vec3]| {
-        let mut heights = [Vec4::ZERO; LID_SAMPLES / 4];
-        for i in 0..LID_SAMPLES {
+        core::array::from_fn(|i| {
             let across = i as f32 / (LID_SAMPLES - 1) as f32 * 2.0 - 1.0;
-            heights[i / 4][i % 4] = height_at(margin, mirror * across * LID_HALF_SPAN_MM);
-        }
-        heights
+            height_at(margin, mirror * across * LID_HALF_SPAN_MM)
+        })
     };
-    LidHeights {
-        upper: sample(upper),
-        lower: sample(lower),
-    }
+    LidMargins::new(sample(upper), sample(lower))
 }
 /// Height of a polyline at x, its ends extended flat; x may run either way.
 pub(super) fn height_at(margin: &[Vec3], x: f32) -> f32 {

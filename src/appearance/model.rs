@@ -12,7 +12,7 @@ use super::lashes::Lashes;
 use super::light_table::{LightTableSettings, LightTableSize};
 use super::lighting::Lit;
 use super::materials::{
-    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidHeights, MeniscusMaterial,
+    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidMargins, MeniscusMaterial,
     MeniscusUniform, SkinMaterial, SkinUniform,
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
@@ -126,7 +126,7 @@ pub struct EyeParts {
     #[reflect(ignore)]
     pub(super) shape: Option<GlobeShape>,
     #[reflect(ignore)]
-    pub(super) lids: LidHeights,
+    pub(super) lids: LidMargins,
     #[reflect(ignore)]
     pub(super) head_from_eye: Option<Quat>,
     #[reflect(ignore)]
@@ -446,7 +446,7 @@ impl Builder<'_, '_, '_, '_> {
         };
         let uniform = static_uniform(anatomy, shape);
         parts.globe.clear();
-        for (part, mesh) in [GlobePart::Cornea, GlobePart::Sclera]
+        for (part, mesh) in [GlobePart::Cornea, GlobePart::Limbus, GlobePart::Sclera]
             .into_iter()
             .zip(globe_meshes(shape))
         {

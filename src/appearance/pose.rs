@@ -3,7 +3,7 @@
 use super::face_region::LidPose;
 use super::iris_map::{furrow_depth, thicken};
 use super::materials::GlobePart;
-use super::mesh_fill::{fill_hair, fill_mesh, lid_heights};
+use super::mesh_fill::{fill_hair, fill_mesh, lid_margins};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
 use crate::anatomy::{
     Accommodation, Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia, Pupil,
@@ -50,7 +50,7 @@ pub fn move_eyes(
         for (entity, material) in &parts.globe {
             let part = assets.globes.get(material).map(|material| material.part);
             // No pupil is seen through a sclera.
-            if part != Some(GlobePart::Cornea) && !turned {
+            if !part.is_some_and(GlobePart::is_corneal) && !turned {
                 continue;
             }
             if part != Some(GlobePart::Conjunctiva)
@@ -126,7 +126,7 @@ pub fn focus_lenses(
         let PowerVector { m_d, j0_d, j45_d } = refraction.0.power_vector().in_view();
         for (_, material) in &parts.globe {
             let part = assets.globes.get(material).map(|material| material.part);
-            if part == Some(GlobePart::Cornea)
+            if part.is_some_and(GlobePart::is_corneal)
                 && let Some(mut material) = assets.globes.get_mut(material)
             {
                 material.globe.lens_front = lens.front.as_vec2();
@@ -214,7 +214,7 @@ pub fn move_lids(
         let axis = mirrored.globe_rotation(&right) * Vec3::NEG_Z;
         let globe_radius = |direction: Vec3| shape.radius_at(axis.dot(direction).into()) as f32;
         region.pose(&pose, &globe_radius, &mut parts.posed);
-        parts.lids = lid_heights(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
+        parts.lids = lid_margins(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 
         let mut vertices = parts.posed.positions.len();
         for (handle, (part, indices)) in [

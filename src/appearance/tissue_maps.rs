@@ -2,8 +2,8 @@
 
 use super::images::map_image;
 use super::iris_map::{IrisMap, IrisMapSettings};
-use super::light_table::{LightTableSettings, LightTableSize};
-use super::materials::{GlobeUniform, LidHeights};
+use super::light_table::{LightTableSettings, LightTableSize, SKY_RADII};
+use super::materials::{GlobeUniform, LidMargins};
 use super::model::{Anatomy, side};
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use super::shading::sclera_shade::EPISCLERAL_DEPTH_MM;
@@ -194,7 +194,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
     } = anatomy;
     let [lamellae_reflect, lamellae_pass] = lamellae_of(anatomy.sclera);
     GlobeUniform {
-        lids: LidHeights::default(),
+        lids: LidMargins::default(),
         head_from_eye: Mat4::IDENTITY,
         anterior_radius_mm: cornea.anterior_radius_mm as f32,
         anterior_p: cornea.anterior_p as f32,
@@ -215,7 +215,10 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         above_vessels: above_vessels(anatomy.sclera),
         iris_sky: {
             let sky = light_settings(cornea, iris).sky().map(|value| value as f32);
-            core::array::from_fn(|i| Vec4::from_slice(&sky[4 * i..]))
+            core::array::from_fn(|i| {
+                let next = sky[(i + 1).min(SKY_RADII - 1)];
+                Vec4::new(sky[i], next, 0.0, 0.0)
+            })
         },
         tissue: (&IrisTissue::new(&map_pigment(iris))).into(),
         lamellae_reflect,

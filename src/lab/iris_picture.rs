@@ -13,7 +13,6 @@ mod paths;
 mod seen;
 
 use super::headless::{Headless, HeadlessError};
-use crate::appearance::materials::GlobePart;
 use crate::appearance::{
     EyeOrbit, EyeQuality, GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, StudioLight,
 };
@@ -106,13 +105,13 @@ impl IrisStage {
         let world = headless.world();
         let mut parts = world.query_filtered::<Entity, NotGlobe>();
         let mut hidden: Vec<Entity> = parts.iter(world).collect();
-        // The conjunctiva hangs over the cornea's edge.
+        // The conjunctiva hangs over the limbus.
         let mut globes = world.query::<(Entity, &MeshMaterial3d<GlobeMaterial>)>();
         let materials = world.resource::<Assets<GlobeMaterial>>();
         let is_cornea = |part: &MeshMaterial3d<GlobeMaterial>| {
             materials
                 .get(&part.0)
-                .is_some_and(|own| own.part == GlobePart::Cornea)
+                .is_some_and(|own| own.part.is_corneal())
         };
         let others = globes.iter(world).filter(|(_, part)| !is_cornea(part));
         hidden.extend(others.map(|(entity, _)| entity));

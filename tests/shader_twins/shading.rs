@@ -8,10 +8,11 @@ use crate::gpu::{Map, Twin};
 use glam::{DVec3, DVec4};
 use ocularium::appearance::Studio;
 use ocularium::appearance::illumination::Lamp;
-use ocularium::appearance::materials::{LID_SAMPLES, LidHeights};
+use ocularium::appearance::materials::{LID_SAMPLES, LidMargins};
 use ocularium::appearance::shading::lid_shade::LidShade;
 use ocularium::appearance::shading::{
-    footprint, hair_shade, lamp_lobe, lens_shade, lid_shade, limbus, surroundings, tear_reflection,
+    footprint, hair_shade, knots, lamp_lobe, lens_shade, lid_shade, limbus, surroundings,
+    tear_reflection,
 };
 use rand_pcg::Pcg64;
 
@@ -240,14 +241,41 @@ fn what_surrounds_an_eye() {
 }
 
 #[test]
+fn a_place_in_a_table() {
+    pass_unless_off(
+        &Twin {
+            name: "knot_at",
+            library: &["knots"],
+            // One number that is continuous where the knot changes.
+            call: "let k = knot_at(x[0], i32(x[1])); y[0] = f32(k.below) + k.part; \
+                   y[1] = select(0.0, 1.0, k.below >= 0 && k.below + 1 < i32(x[1]));",
+            draw: &|rng| {
+                let knots = between(rng, 2.0, 40.0).floor();
+                vec![between(rng, -0.3, 1.3), knots]
+            },
+            exact: &|x| {
+                let knot = knots::knot_at(x[0], x[1] as usize);
+                vec![knot.below as f64 + knot.part, 1.0]
+            },
+            // Two roundings of a place among up to 39 intervals.
+            absolute: 8e-6,
+            relative: 0.0,
+            steep_share: 0.0,
+        },
+        &[],
+        0,
+        1e-3,
+    );
+}
+
+#[test]
 fn the_lids() {
     let samples = 2 * LID_SAMPLES;
     let call = format!(
-        "let s = lid_shade(Lids(array<vec4f, 8>({}), array<vec4f, 8>({})), vec3f(x[{}], x[{}], x[{}])); \
+        "let p = vec3f(x[{}], x[{}], x[{}]); let at = lid_knot(p.x); \
+         let s = lid_shade(vec4f(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
          y[0] = s.sky; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
          y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]);",
-        vec4s(0, 8),
-        vec4s(LID_SAMPLES, 8),
         samples,
         samples + 1,
         samples + 2,
@@ -277,12 +305,9 @@ fn the_lids() {
                 x
             },
             exact: &|x| {
-                let four = |i: usize| v4(&x[4 * i..]).as_vec4();
-                let lids = LidHeights {
-                    upper: core::array::from_fn(four),
-                    lower: core::array::from_fn(|i| four(i + LID_SAMPLES / 4)),
-                };
-                let s = lid_shade::lid_shade(&lids, v3(&x[samples..]));
+                let heights = |from: usize| core::array::from_fn(|i| x[from + i] as f32);
+                let lids = LidMargins::new(heights(0), heights(LID_SAMPLES));
+                let s = lid_shade::lids_at(&lids, v3(&x[samples..]));
                 let lamp = lid_shade::lid_lamp(&s, v3(&x[samples + 3..]), x[samples + 6]);
                 vec![s.sky, s.contact, s.upper_gap, s.lower_gap, lamp]
             },
@@ -305,7 +330,8 @@ fn the_limbus() {
             library: &["limbus"],
             call: "y[0] = limbus_share(x[0], x[1]); \
                    var table = array<vec4<f32>, 8>(); for (var i = 0; i < 8; i++) { let t = 0.1 + 0.1 * f32(i); table[i] = vec4f(t, t * t, 1.0 - t, 1.0); } \
-                   let c = limbus_through(table, x[8]) + 0.25 * limbus_white(table, x[8]); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
+                   let at = lamellae_knot(x[8]); let there = mix(table[at.below], table[at.below + 1], at.part).rgb; let whole = table[7].rgb; \
+                   let c = limbus_through(there, whole) + 0.25 * limbus_white(there, whole); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
                    let n = limbus_normal(vec3f(x[2], x[3], x[4]), vec3f(x[5], x[6], x[7]), y[0]); \
                    y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8]); y[8] = limbus_width(x[2]);",
             draw: &|rng| {
@@ -331,12 +357,14 @@ fn the_limbus() {
                 let share = limbus::limbus_share(x[0], x[1]);
                 let normal = limbus::limbus_normal(v3(&x[2..]), v3(&x[5..]), share);
                 let mut out = vec![share];
-                let table = core::array::from_fn(|i| {
-                    let t = 0.1 + 0.1 * i as f64;
-                    DVec4::new(t, t * t, 1.0 - t, 1.0)
-                });
-                let through = limbus::limbus_through(&table, x[8]);
-                out.extend(rgb(through + 0.25 * limbus::limbus_white(&table, x[8])));
+                let table: Vec<DVec3> = (0..8)
+                    .map(|i| 0.1 + 0.1 * f64::from(i))
+                    .map(|t| DVec3::new(t, t * t, 1.0 - t))
+                    .collect();
+                let at = limbus::lamellae_knot(x[8]);
+                let there = table[at.below].lerp(table[at.below + 1], at.part);
+                let through = limbus::limbus_through(there, table[7]);
+                out.extend(rgb(through + 0.25 * limbus::limbus_white(there, table[7])));
                 out.extend(rgb(normal));
                 out.push(limbus::arcus_share(x[0], x[2], x[1], x[8]));
                 out.push(limbus::limbus_width(x[2]));

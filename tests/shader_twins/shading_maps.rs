@@ -6,7 +6,7 @@ use crate::gpu::{Map, Twin};
 use glam::{DVec2, DVec3};
 use ocularium::appearance::iris_map::{IrisMap, IrisMapSettings};
 use ocularium::appearance::light_table::{
-    LightTableSettings, LightTableSize, SKY_RADII, iris_light, iris_sky,
+    LightTableSettings, LightTableSize, SKY_RADII, iris_light, iris_sky_knot,
 };
 use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
 use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
@@ -325,10 +325,8 @@ fn the_light_of_the_iris() {
         light: maps[2].view(),
     };
     let sky: [f64; SKY_RADII] = core::array::from_fn(|i| 1.6 - 0.05 * i as f64);
-    let vectors = sky
-        .chunks(4)
-        .map(|v| format!("vec4f({}, {}, {}, {})", v[0], v[1], v[2], v[3]));
-    let sky_values = format!("array({})", vectors.collect::<Vec<_>>().join(", "));
+    let values: Vec<String> = sky.iter().map(f64::to_string).collect();
+    let sky_values = values.join(", ");
     let hazel = IrisTissue::new(&IrisPigment::HAZEL);
     let vector = |v: DVec3| format!("vec3f({:e}, {:e}, {:e})", v.x, v.y, v.z);
     let w = hazel.weights;
@@ -346,12 +344,13 @@ fn the_light_of_the_iris() {
         vector(w.z_axis),
     );
     let call = format!(
-        "{IRIS} let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
+        "{IRIS} var sky = array<f32, {SKY_RADII}>({sky_values}); let at = iris_sky_knot(length(p), x[0]); \
+         let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
          let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14]); \
          let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table_sampler, iris, {tissue}, u, \
          iris_light(light_table, light_table_sampler, l, u.at, iris.root, iris.limbus)); {RGB_OUT} \
-         let a = iris_ambient(reflectance_map, light_table_sampler, u, iris_sky({sky_values}, length(p), x[0])); y[3] = a.x; y[4] = a.z; \
+         let a = iris_ambient(reflectance_map, light_table_sampler, u, mix(sky[at.below], sky[at.below + 1], at.part)); y[3] = a.x; y[4] = a.z; \
          y[5] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;"
     );
     pass_unless_off(
@@ -385,7 +384,7 @@ fn the_light_of_the_iris() {
                 );
                 let lamp = iris_shade::iris_lamp(&views, &iris, &hazel, &surface, arrives);
                 let ambient =
-                    iris_shade::iris_ambient(&views, &surface, iris_sky(&sky, p.length(), x[0]));
+                    iris_shade::iris_ambient(&views, &surface, iris_sky_knot(p.length(), x[0]).read(&sky));
                 [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()
             },
             // A place is good to 6e-8 of 256 texels; a way 0.1 mm high within one makes 2e-6 mm of each

@@ -7,8 +7,9 @@ use glam::Vec3;
 use super::*;
 use crate::appearance::brow::Brow;
 use crate::appearance::canthus::EDGE_MM;
-use crate::appearance::hair::{HairMesh, RINGS, SIDES};
+use crate::appearance::hair::{HairMesh, SIDES};
 use crate::appearance::lashes::Lashes;
+use crate::appearance::{brow, lashes};
 
 /// Sphere of 11.5 mm with a corneal conicoid (R 7.8, p 0.75, apex at 12.39 mm) turned to the gaze.
 pub(super) fn turned_globe(azimuth: f32, elevation: f32) -> impl Fn(Vec3) -> f32 {
@@ -403,9 +404,9 @@ fn lashes_stand_on_the_lash_lines() {
             .chain(&out.lower_lash_line)
             .copied()
             .collect();
-        for hair in mesh.positions.chunks(RINGS * SIDES) {
+        for hair in mesh.positions.chunks(lashes::RINGS * SIDES) {
             let root = Vec3::from(hair[0]);
-            let tip = Vec3::from(hair[RINGS * SIDES - 1]);
+            let tip = Vec3::from(hair[lashes::RINGS * SIDES - 1]);
             let off = lines
                 .iter()
                 .map(|p| p.distance(root))
@@ -432,9 +433,9 @@ fn brow_hairs_lie_on_the_skin() {
     let out = posed(&region, &LidPose::default());
     let mut mesh = HairMesh::default();
     brow.pose(&out, &mut mesh);
-    let hairs = mesh.positions.len() / (RINGS * SIDES);
+    let hairs = mesh.positions.len() / (brow::RINGS * SIDES);
     assert!((500..700).contains(&hairs), "{hairs}");
-    for hair in mesh.positions.chunks(RINGS * SIDES) {
+    for hair in mesh.positions.chunks(brow::RINGS * SIDES) {
         let root = Vec3::from(hair[0]);
         assert!((10.0..30.0).contains(&root.y), "{root}");
     }

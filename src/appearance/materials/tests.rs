@@ -125,7 +125,7 @@ fn every_number_is_where_its_shader_reads_it() {
         flesh = Vec3::splat(9.0),
         above_vessels = Vec3::splat(9.0),
         iris_thicken = 9.0,
-        iris_sky = [Vec4::splat(9.0); SKY_RADII / 4],
+        iris_sky = [Vec4::splat(9.0); SKY_RADII],
         iris_furrows = 9.0,
         lens_front = Vec2::splat(9.0),
         lens_back = Vec2::splat(9.0),

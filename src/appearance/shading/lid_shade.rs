@@ -1,10 +1,10 @@
 //! What the lids leave of the light on the globe. Twin: `shaders/lib/lid_shade.wgsl`.
 
+use super::knots::{Knot, knot_at};
 use super::mix;
-use crate::appearance::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidHeights};
+use crate::appearance::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins};
 use crate::optics::smoothstep::smoothstep;
-use bevy::math::Vec4;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 /// Shares of the light that the lids leave, and the distance to their margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,20 +19,24 @@ pub struct LidShade {
     pub lower_gap: f64,
 }
 
-/// Height (mm) of a margin at x, between its samples; flat beyond them.
-pub fn lid_height(heights: &[Vec4; LID_SAMPLES / 4], x: f64) -> f64 {
+/// Between which samples of the margins x (mm, head frame) lies; flat beyond them.
+pub fn lid_knot(x: f64) -> Knot {
     let half_span = f64::from(LID_HALF_SPAN_MM);
-    let at = ((x + half_span) / (2.0 * half_span)).clamp(0.0, 1.0) * (LID_SAMPLES - 1) as f64;
-    let i = (at as usize).min(LID_SAMPLES - 2);
-    let sample = |i: usize| f64::from(heights[i / 4][i % 4]);
-    mix(sample(i), sample(i + 1), at - i as f64)
+    knot_at((x + half_span) / (2.0 * half_span), LID_SAMPLES)
 }
 
-/// The shade at a point `p` (head frame) of the globe: the upper lid and its lashes overhang, so that a
-/// soft band lies below its margin; the lower lid only touches.
-pub fn lid_shade(lids: &LidHeights, p: DVec3) -> LidShade {
-    let upper = lid_height(&lids.upper, p.x) - p.y;
-    let lower = p.y - lid_height(&lids.lower, p.x);
+/// The shade of the lids at a point `p` (head frame) of the globe.
+pub fn lids_at(lids: &LidMargins, p: DVec3) -> LidShade {
+    let at = lid_knot(p.x);
+    lid_shade(lids.spans[at.below].as_dvec4(), at.part, p)
+}
+
+/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins (heights, mm,
+/// of the upper one at a sample and at the next, then of the lower one): the upper lid and its lashes overhang, so that
+/// a soft band lies below its margin; the lower lid only touches.
+pub fn lid_shade(span: DVec4, part: f64, p: DVec3) -> LidShade {
+    let upper = mix(span.x, span.y, part) - p.y;
+    let lower = p.y - mix(span.z, span.w, part);
     let (u, l) = (upper.max(0.0), lower.max(0.0));
     LidShade {
         sky: (1.0 - 0.55 * (-u / 1.3).exp()) * (1.0 - 0.5 * (-l / 0.8).exp()),

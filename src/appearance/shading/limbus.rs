@@ -1,8 +1,9 @@
 //! The limbus, where the cornea goes over into the sclera. Twin: `shaders/lib/limbus.wgsl`.
 
+use super::knots::{Knot, knot_at};
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::sclera::LAMELLAE;
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
 /// Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
 pub fn limbus_share(r: f64, limbus_radius: f64) -> f64 {
@@ -14,26 +15,20 @@ pub fn limbus_normal(globe: DVec3, cornea: DVec3, share: f64) -> DVec3 {
     globe.lerp(cornea, smoothstep(0.0, 0.35, share)).normalize()
 }
 
-/// What lamellae (`table`, [`crate::tissue::sclera::lamellae`]) do where this share of their thickness lies over the cornea,
-/// between the table's knots.
-pub fn limbus_lamellae(table: &[DVec4; LAMELLAE], share: f64) -> DVec3 {
-    let place = share.clamp(0.0, 1.0).sqrt() * (LAMELLAE - 1) as f64;
-    let below = (place as usize).min(LAMELLAE - 2);
-    table[below]
-        .lerp(table[below + 1], place - below as f64)
-        .truncate()
+/// Between which knots of what lamellae do ([`crate::tissue::sclera::lamellae`]) this share of their thickness lies.
+pub fn lamellae_knot(share: f64) -> Knot {
+    knot_at(share.clamp(0.0, 1.0).sqrt(), LAMELLAE)
 }
 
-/// How much of the white's colour is seen there: all of it where all of the sclera is.
-pub fn limbus_white(reflects: &[DVec4; LAMELLAE], share: f64) -> DVec3 {
-    limbus_lamellae(reflects, share) / reflects[LAMELLAE - 1].truncate().max(DVec3::splat(1e-3))
+/// How much of the white's colour is seen where lamellae send this back and all of the sclera `whole`.
+pub fn limbus_white(reflected: DVec3, whole: DVec3) -> DVec3 {
+    reflected / whole.max(DVec3::splat(1e-3))
 }
 
-/// How much of what lies behind the cornea: lit and seen through the lamellae, and nothing of it where all of the sclera is.
-pub fn limbus_through(passes: &[DVec4; LAMELLAE], share: f64) -> DVec3 {
-    let last = passes[LAMELLAE - 1].truncate();
-    let kept =
-        (limbus_lamellae(passes, share) - last) / (DVec3::ONE - last).max(DVec3::splat(1e-3));
+/// How much of what lies behind the cornea is lit and seen where lamellae pass this and all of the sclera `whole`: nothing
+/// of it there.
+pub fn limbus_through(passed: DVec3, whole: DVec3) -> DVec3 {
+    let kept = (passed - whole) / (DVec3::ONE - whole).max(DVec3::splat(1e-3));
     kept * kept
 }
 
@@ -47,6 +42,11 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
 /// 0.9 mm: above and below the sclera goes further over the cornea, whose vertical diameter looks a millimetre less.
 pub fn limbus_width(sine: f64) -> f64 {
     0.87 + 0.48 * sine * sine
+}
+
+/// Radius (mm) within which the cornea alone is seen, in every direction.
+pub fn clear_cornea_mm(limbus_radius: f64) -> f64 {
+    limbus_radius - 0.63 * limbus_width(1.0)
 }
 
 /// What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do (a choice: it is

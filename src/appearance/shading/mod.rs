@@ -8,6 +8,7 @@ pub mod fundus;
 pub mod hair_shade;
 pub mod iris_relief;
 pub mod iris_shade;
+pub mod knots;
 pub mod lamp_lobe;
 pub mod lens_shade;
 pub mod lid_shade;

@@ -3,14 +3,14 @@
 use crate::appearance::GlobeMaterial;
 use crate::appearance::illumination::{Illumination, Lamp};
 use crate::appearance::images::MapView;
-use crate::appearance::light_table::{SKY_RADII, iris_light, iris_sky};
+use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
 use crate::appearance::shading::iris_relief::{IrisFrame, IrisPlace, iris_place};
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
-use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lid_shade};
+use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lids_at};
 use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
 use crate::appearance::shading::near_light::{iris_near_lamp, light_entry};
 use crate::appearance::shading::surroundings::{
@@ -182,7 +182,7 @@ impl IrisPicture {
             && pupil_edge(start.uv, footprint, self.frame.width()) >= 1.0
             && start.uv.y < OUTERMOST;
         is_iris.then(|| SeenIris {
-            shade: lid_shade(&self.globe.lids, self.head_from_eye * p),
+            shade: lids_at(&self.globe.lids, self.head_from_eye * p),
             trace,
             start,
             footprint,
@@ -251,11 +251,10 @@ impl IrisPicture {
 
     /// What the sky sends back from this surface.
     pub(super) fn sky(&self, surface: &IrisSurface) -> DVec3 {
-        let sky: [f64; SKY_RADII] =
-            core::array::from_fn(|i| f64::from(self.globe.iris_sky[i / 4][i % 4]));
-        let arrives = iris_sky(&sky, surface.at.length(), self.frame.root);
+        let sky = self.globe.iris_sky.map(|values| f64::from(values.x));
+        let arrives = iris_sky_knot(surface.at.length(), self.frame.root).read(&sky);
         let place = surface.at.extend(self.iris_depth()) + self.apex();
-        let before = lid_shade(&self.globe.lids, self.head_from_eye * place);
+        let before = lids_at(&self.globe.lids, self.head_from_eye * place);
         let around = ambient_light(&self.illumination.ambient, -self.head_from_eye.z_axis);
         iris_ambient(&self.maps, surface, arrives) * around * before.sky
     }
@@ -271,7 +270,7 @@ impl IrisPicture {
 
     /// What lids leave of a lamp of this radius (rad) that is seen in this direction (eye frame) from where its light enters.
     pub(super) fn lids_leave(&self, enters: DVec3, direction: DVec3, radius: f64) -> f64 {
-        let lids = lid_shade(
+        let lids = lids_at(
             &self.globe.lids,
             self.head_from_eye * (enters + self.apex()),
         );
