@@ -6,8 +6,13 @@
 fn hair_lamp(color: vec3f, along: vec3f, v: vec3f, light: vec3f) -> vec3f {
     let sine = sqrt(max(1.0 - dot(along, light) * dot(along, light), 0.0));
     let half_way = normalize(light + v);
-    let s = sqrt(max(1.0 - dot(along, half_way) * dot(along, half_way), 0.0));
-    return color * (0.20 + 0.55 * sine + 0.35 * pow(s, 14.0)) + 0.035 * pow(s, 60.0);
+    // The sine's powers 2, 4, 8 .. make those of the highlights, 14 and 60, at a tenth of what pow costs.
+    let s2 = max(1.0 - dot(along, half_way) * dot(along, half_way), 0.0);
+    let s4 = s2 * s2;
+    let s8 = s4 * s4;
+    let s14 = s8 * s4 * s2;
+    let s28 = s14 * s14;
+    return color * (0.20 + 0.55 * sine + 0.35 * s14) + 0.035 * (s28 * s28 * s4);
 }
 
 // The same under surroundings that send this irradiance / pi to a face.
