@@ -234,6 +234,40 @@ fn every_function_of_the_library_is_called() {
     assert!(idle(&reached(&others.join("\n"), &all)).contains(&"cornea_trace".to_owned()));
 }
 
+/// Functions of a text that take a table by value.
+fn takers_of_tables(text: &str) -> Vec<String> {
+    let heads = text.lines().filter_map(|line| line.strip_prefix("fn "));
+    heads
+        .filter_map(|head| head.split_once('('))
+        .filter(|(_, rest)| {
+            let parameters = rest.split("->").next().unwrap_or_default();
+            parameters.contains("array<") && !parameters.contains("ptr<")
+        })
+        .map(|(name, _)| name.to_owned())
+        .collect()
+}
+
+/// A table that is handed over is copied, and a copy is indexed one processor lane at a time: two lid margins cost 80 of an eye's
+/// 190 ms so. These read theirs at places that the compiler knows.
+#[test]
+fn no_table_is_handed_to_a_function() {
+    let handed: Vec<String> = LIBRARY
+        .iter()
+        .map(|(_, text)| *text)
+        .chain(SOURCES.iter().flat_map(|source| source.entry).copied())
+        .flat_map(takers_of_tables)
+        .collect();
+    let known: BTreeSet<String> = handed.into_iter().collect();
+    assert_eq!(
+        known.iter().map(String::as_str).collect::<Vec<_>>(),
+        ["ambient_light", "fast_strength_of"]
+    );
+    let margin = "fn lid_height(heights: array<vec4<f32>, 8>, x: f32) -> f32 {";
+    assert_eq!(takers_of_tables(margin), ["lid_height"]);
+    let gives = "fn tent_weights(i: u32) -> array<f32, 5> {";
+    assert_eq!(takers_of_tables(gives), Vec::<String>::new());
+}
+
 /// The tests that run a function beside its twin.
 const TWINS: [&str; 13] = [
     include_str!("shader_twins.rs"),
