@@ -129,8 +129,11 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
-    /// Of the meshes of an eye: their vertices and triangles.
-    fn built() -> (GlobeShape, Vec<(Vec<Vec3>, Vec<[usize; 3]>)>) {
+    /// Vertices and triangles.
+    type Part = (Vec<Vec3>, Vec<[usize; 3]>);
+
+    /// The meshes of an eye.
+    fn built() -> (GlobeShape, Vec<Part>) {
         let shape = GlobeShape::default();
         let parts = globe_meshes(&shape).map(|mesh| {
             let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION);

@@ -383,8 +383,11 @@ fn the_light_of_the_iris() {
                     iris.limbus,
                 );
                 let lamp = iris_shade::iris_lamp(&views, &iris, &hazel, &surface, arrives);
-                let ambient =
-                    iris_shade::iris_ambient(&views, &surface, iris_sky_knot(p.length(), x[0]).read(&sky));
+                let ambient = iris_shade::iris_ambient(
+                    &views,
+                    &surface,
+                    iris_sky_knot(p.length(), x[0]).read(&sky),
+                );
                 [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()
             },
             // A place is good to 6e-8 of 256 texels; a way 0.1 mm high within one makes 2e-6 mm of each

@@ -36,7 +36,10 @@ mod tests {
         for share in [-2.0, 0.0, 0.01, 0.3, 0.875, 0.99, 1.0, 7.0] {
             let line = 3.0 - 2.0 * f64::clamp(share, 0.0, 1.0);
             // A few roundings of numbers up to 3.
-            assert!((knot_at(share, 9).read(&table) - line).abs() < 4e-15, "{share}");
+            assert!(
+                (knot_at(share, 9).read(&table) - line).abs() < 4e-15,
+                "{share}"
+            );
         }
     }
 }
