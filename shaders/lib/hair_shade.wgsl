@@ -6,7 +6,7 @@
 fn hair_lamp(color: vec3f, along: vec3f, v: vec3f, light: vec3f) -> vec3f {
     let sine = sqrt(max(1.0 - dot(along, light) * dot(along, light), 0.0));
     let half_way = normalize(light + v);
-    // The sine's powers 2, 4, 8 .. make those of the highlights, 14 and 60, at a tenth of what pow costs.
+    // The highlights' powers of the sine, 14 and 60, are products.
     let s2 = max(1.0 - dot(along, half_way) * dot(along, half_way), 0.0);
     let s4 = s2 * s2;
     let s8 = s4 * s4;

@@ -9,8 +9,8 @@ use bevy::math::Vec3;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 
 /// Vertices of a ring from the limbus outwards. Rasterisers shade whole blocks of pixels for each triangle that touches them (2×2
-/// on a GPU, 4×4 on software), so no triangle is smaller than an outline needs: between 64 places a circle of 6 mm stands 7 µm
-/// behind its chords, an eighth of a pixel where an eye fills 1280.
+/// on a GPU, 4×4 on software), so no triangle is smaller than an outline needs: between 64 places the chords of a circle of
+/// 6 mm lie 7 µm within it, a quarter of a pixel where 40 mm fill 1280.
 const SECTORS: u32 = 64;
 /// Rings of the clear cornea, the outermost of [`SECTORS`] and each as much smaller as it is narrower.
 const CORNEA_RINGS: u32 = 10;
@@ -24,8 +24,8 @@ const BACK_DEG: f32 = 150.0;
 /// Reach of the limbus' soft edge outside its radius, mm (`shaders/lib/limbus.wgsl`).
 const LIMBAL_REACH_MM: f64 = 0.34;
 
-/// How much smaller than the clear cornea its mesh is, mm: a view that grazes it meets the surface itself this far from the
-/// mesh at the most (facets 0.33 mm wide lie 2 µm below it, which is 20 µm along a view of 5 degrees to it).
+/// How much smaller than the clear cornea its mesh is, mm: as far from the mesh, whose facets lie 7 µm below it, a view at 8 degrees to
+/// the surface meets it. At 2 degrees 4 per cent of white are taken for cornea.
 const WITHIN_MM: f64 = 0.05;
 
 /// Angle from the axis (rad) at which the globe is `mm` from it, on its front.
@@ -184,7 +184,7 @@ mod tests {
     }
 
     /// The cornea's outline: no place of its mesh lies further behind the surface than an eighth of the pixel of a picture in
-    /// which 40 mm fill 320, and none before it. Three times as coarse would be seen.
+    /// which 40 mm fill 320, and none before it.
     #[test]
     fn facets_follow_the_surface() {
         let (shape, parts) = built();

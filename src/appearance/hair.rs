@@ -59,7 +59,7 @@ impl HairMesh {
                 .try_normalize()
                 .unwrap_or_else(|| along.any_orthonormal_vector());
             let other = along.cross(side);
-            let s = ring as f32 / last as f32;
+            let s = ring as f32 / last.max(1) as f32;
             let thick = radius * (0.2 + 0.8 * (1.0 - s * s));
             for k in 0..SIDES {
                 let (sin, cos) = (std::f32::consts::TAU * k as f32 / SIDES as f32).sin_cos();

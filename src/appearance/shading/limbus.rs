@@ -68,6 +68,26 @@ pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// The mesh of the clear cornea has no code of the white: there is none within its radius, in any direction, and there is
+    /// some just outside it above and below.
+    #[test]
+    fn no_white_is_seen_within_the_clear_cornea() {
+        for limbus_mm in [5.0, 5.85, 6.5] {
+            let clear = clear_cornea_mm(limbus_mm);
+            let share = |r: f64, sine: f64| {
+                limbus_share(
+                    limbus_place(r, limbus_mm, 0.9 * limbus_width(sine)),
+                    limbus_mm,
+                )
+            };
+            for sine in [-1.0, -0.6, 0.0, 0.3, 1.0] {
+                // Up to a rounding of the border itself.
+                assert_eq!(share(clear - 1e-9, sine), 1.0, "{limbus_mm} mm, {sine}");
+            }
+            assert!(share(clear + 0.05, 1.0) < 1.0 && share(clear + 0.05, 0.0) == 1.0);
+        }
+    }
+
     #[test]
     fn an_arcus_begins_above_and_below_and_leaves_the_rim_clear() {
         let at = |inside: f64, sine: f64, lipid: f64| arcus_share(5.85 - inside, sine, 5.85, lipid);
