@@ -174,7 +174,7 @@ fn of_somebody_who_is_gone_nothing_is_seen_and_nothing_stays() {
         children.map_or(0, |children| children.len())
     };
     // Cornea, limbus, white, what covers it in the corners, skin, lashes, brow, and the tears along the lids.
-    assert_eq!(parts(&mut headless, model), 8);
+    assert_eq!(parts(&mut headless, model), 9);
     // One is no eye any more.
     headless.world().entity_mut(other).remove::<EyeModel>();
     frames(&mut headless, 2);

@@ -28,13 +28,15 @@ struct Surface {
 @vertex
 fn vertex(in: VertexIn) -> Surface {
     var out: Surface;
-    let world_from_local = get_world_from_local(in.instance);
-    out.clip = mesh_position_local_to_clip(world_from_local, vec4(in.position, 1.0));
+    out.camera = (get_local_from_world(in.instance) * vec4(view.world_position, 1.0)).xyz;
     out.position = in.position;
+#ifdef RIBBON
+    out.position = hair_ribbon(in.position, in.tissue.xyz, in.normal, out.camera, in.rest.x);
+#endif
+    out.clip = mesh_position_local_to_clip(get_world_from_local(in.instance), vec4(out.position, 1.0));
     out.normal = in.normal;
     out.rest = in.rest.xyz;
     out.tissue = in.tissue;
-    out.camera = (get_local_from_world(in.instance) * vec4(view.world_position, 1.0)).xyz;
     return out;
 }
 

@@ -23,6 +23,11 @@ const TILE_MM: f32 = 16.0;
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let p = in.position;
+#ifdef WET
+    let tissue = in.tissue;
+#else
+    let tissue = vec4(0.0, in.tissue.gba);
+#endif
     // Pores and blotches stick to the skin: they are looked up where it rests.
     let q = in.rest;
     let v = normalize(in.camera - p);
@@ -31,20 +36,21 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let fine = textureSampleLevel(skin_map, skin_sampler, q.xy / TILE_MM, footprint_level(footprint, texel_mm));
     // A second, larger look at the same tile hides that it repeats.
     let coarse = textureSampleLevel(skin_map, skin_sampler, q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
-    let n = skin_normal(normalize(in.normal), v, in.tissue, skin.pores, fine, coarse);
-    let albedo = skin_albedo(skin.albedo, skin.flesh, in.tissue, fine, coarse, length(p), skin.globe_radius_mm);
-    var light = ambient(n) * skin_openness(in.tissue);
+    let n = skin_normal(normalize(in.normal), v, tissue, skin.pores, fine, coarse);
+    let albedo = skin_albedo(skin.albedo, skin.flesh, tissue, fine, coarse, length(p), skin.globe_radius_mm);
+    var light = ambient(n) * skin_openness(tissue);
     var sheen = vec3(0.0);
     for (var i = 0; i < LAMPS; i++) {
         let lamp = lamp_at(i, p);
-        light += lamp.color * skin_lamp(n, in.tissue, lamp.direction);
-        sheen += lamp.color * skin_lamp_sheen(n, v, in.tissue, skin.roughness, lamp.direction, lamp.radius);
+        light += lamp.color * skin_lamp(n, tissue, lamp.direction);
+        sheen += lamp.color * skin_lamp_sheen(n, v, tissue, skin.roughness, lamp.direction, lamp.radius);
     }
     let r = reflect(-v, n);
-    var around = vec3(0.0);
-    if in.tissue.r > 0.02 {
-        around = mirrored(p, r, 0.10);
-    }
-    let radiance = albedo * light + skin_specular(sheen, ambient(r), around, n, v, in.tissue);
+#ifdef WET
+    let around = mirrored(p, r, 0.10);
+#else
+    let around = vec3(0.0);
+#endif
+    let radiance = albedo * light + skin_specular(sheen, ambient(r), around, n, v, tissue);
     return vec4(shown(radiance), 1.0);
 }

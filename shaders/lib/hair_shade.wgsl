@@ -19,3 +19,12 @@ fn hair_lamp(color: vec3f, along: vec3f, v: vec3f, light: vec3f) -> vec3f {
 fn hair_ambient(color: vec3f, ambient: vec3f) -> vec3f {
     return 0.8 * color * ambient;
 }
+
+// An edge of the ribbon that draws a hair, this half width (of either sign) aside of its centre line as it is seen from `camera`.
+// The chord from root to tip tells which side is which where the hair bends towards the camera and away again.
+fn hair_ribbon(center: vec3f, along: vec3f, chord: vec3f, camera: vec3f, half_width: f32) -> vec3f {
+    let v = normalize(camera - center);
+    let aside = cross(along, v);
+    let turned = select(-1.0, 1.0, dot(aside, cross(chord, v)) >= 0.0);
+    return center + aside * (turned * half_width / max(length(aside), 1e-4));
+}

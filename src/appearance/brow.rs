@@ -1,4 +1,4 @@
-//! Brow hairs: short tubes that lie on the skin over the orbital rim.
+//! Brow hairs: short hairs that lie on the skin over the orbital rim.
 //!
 //! In: a seed and the region (its brow weights and rest shape), and at each pose the posed skin.
 //! Out: a [`HairMesh`] with fixed topology. Hairs are 5–9 mm long; they stand up and lean to the
@@ -9,12 +9,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::face_region::{EyeRegion, PosedRegion};
-use super::hair::{HairMesh, hair_indices, hair_parameter};
+use super::hair::{HairMesh, hair_half_widths, hair_indices, hair_parameter};
 use crate::optics::smoothstep::smoothstep;
 
-/// Rings along a hair of the brow, which is straighter than a lash: there are 700 of them, so most of the vertices of an eye are
+/// Points along a hair of the brow, which is straighter than a lash: there are 700 of them, so most of the vertices of an eye are
 /// theirs.
-pub const RINGS: usize = 5;
+pub const POINTS: usize = 5;
 
 #[derive(Clone, Copy, Debug)]
 struct BrowHair {
@@ -36,6 +36,7 @@ pub struct Brow {
     hairs: Vec<BrowHair>,
     indices: Vec<u32>,
     parameter: Vec<f32>,
+    half_widths_mm: Vec<f32>,
 }
 
 impl Brow {
@@ -73,9 +74,10 @@ impl Brow {
         }
         let planted = hairs.len();
         Self {
+            half_widths_mm: hair_half_widths(hairs.iter().map(|hair| hair.radius_mm), POINTS),
             hairs,
-            indices: hair_indices(planted, RINGS),
-            parameter: hair_parameter(planted, RINGS),
+            indices: hair_indices(planted, POINTS),
+            parameter: hair_parameter(planted, POINTS),
         }
     }
 
@@ -87,6 +89,11 @@ impl Brow {
     /// Root (0) to tip (1) for each vertex.
     pub fn parameter(&self) -> &[f32] {
         &self.parameter
+    }
+
+    /// Half of the width at each vertex, mm, negative on one edge.
+    pub fn half_widths_mm(&self) -> &[f32] {
+        &self.half_widths_mm
     }
 
     /// Lays the hairs on the posed skin.
@@ -105,17 +112,17 @@ impl Brow {
             let up = temple.cross(normal);
             let up = if up.y < 0.0 { -up } else { up };
             let mut p = at(&region.positions, hair) - normal * 0.1;
-            let step = hair.length_mm / (RINGS - 1) as f32;
-            let line: [Vec3; RINGS] = std::array::from_fn(|ring| {
+            let step = hair.length_mm / (POINTS - 1) as f32;
+            let line: [Vec3; POINTS] = std::array::from_fn(|point| {
                 let here = p;
-                let s = (ring as f32 + 0.5) / (RINGS - 1) as f32;
+                let s = (point as f32 + 0.5) / (POINTS - 1) as f32;
                 let (sin, cos) = (hair.rise + hair.bend * s).sin_cos();
                 // An arc over the skin: leaves it, then comes back.
                 let slope = hair.lift_mm / hair.length_mm * 4.0 * (1.0 - 1.7 * s);
                 p += (temple * cos + up * sin + normal * slope).normalize_or(temple) * step;
                 here
             });
-            out.push(&line, hair.radius_mm);
+            out.push(&line);
         }
     }
 }
@@ -129,7 +136,7 @@ fn plant(corners: [u32; 3], x: f32, random: &mut Pcg32) -> BrowHair {
         corners,
         weights: [1.0 - a, a * (1.0 - b), a * b],
         length_mm: around(7.0, 1.8),
-        radius_mm: around(0.05, 0.012),
+        radius_mm: around(0.0415, 0.01),
         rise: around(1.25 - 1.05 * out, 0.28),
         bend: around(-0.35, 0.25),
         lift_mm: around(0.55, 0.25),

@@ -7,8 +7,7 @@
 //! fill the corners (`canthus`). Frame: globe frame, mm, right eye (mirror x for the left).
 
 use glam::Vec3;
-use std::borrow::Cow;
-use std::ops::Range;
+use std::collections::HashMap;
 
 use super::canthus::{
     CORNER_COLUMNS, CORNER_ROWS, Corner, MENISCUS_POINTS, MENISCUS_STATIONS, corner_grid,
@@ -31,9 +30,43 @@ pub struct EyeRegion {
     fissure: Fissure,
     indices: Vec<u32>,
     meniscus_indices: Vec<u32>,
-    uvs: Vec<[f32; 2]>,
     tissue: Vec<[f32; 4]>,
     rest: Vec<[f32; 3]>,
+    skin: RegionPart,
+    margin: RegionPart,
+    conjunctiva: RegionPart,
+}
+
+/// Some triangles of a region that are a mesh of their own.
+#[derive(Clone, Debug, Default)]
+pub struct RegionPart {
+    /// Its vertices in the region's lists.
+    pub vertices: Vec<u32>,
+    /// Its triangles: places in `vertices`.
+    pub indices: Vec<u32>,
+}
+
+impl RegionPart {
+    fn of<'a>(triangles: impl Iterator<Item = &'a [u32]>) -> Self {
+        let mut part = Self::default();
+        let mut places = HashMap::new();
+        for &vertex in triangles.flatten() {
+            let place = *places.entry(vertex).or_insert_with(|| {
+                part.vertices.push(vertex);
+                part.vertices.len() as u32 - 1
+            });
+            part.indices.push(place);
+        }
+        part
+    }
+
+    /// What a list of the region has for the vertices of this part.
+    ///
+    /// # Panics
+    /// If the list is not one of the region that this part is of.
+    pub fn of_list<T: Copy>(&self, list: &[T]) -> impl ExactSizeIterator<Item = T> {
+        self.vertices.iter().map(|&vertex| list[vertex as usize])
+    }
 }
 
 /// Corners of the triangles of one corner's grid; they come last.
@@ -74,25 +107,23 @@ impl EyeRegion {
         let mut region = Self {
             indices: Vec::new(),
             meniscus_indices: meniscus_indices(),
-            uvs: Vec::new(),
             tissue: Vec::new(),
             rest: Vec::new(),
+            skin: RegionPart::default(),
+            margin: RegionPart::default(),
+            conjunctiva: RegionPart::default(),
             fissure: Fissure::default(),
             cage,
         };
         region.indices = region.triangles();
         region.tissue = region.tissue_weights();
+        region.divide();
         let closed = LidPose {
             aperture: 0.25,
             ..LidPose::default()
         };
         let mut posed = PosedRegion::default();
         region.pose(&closed, &|_| 11.5, &mut posed);
-        region.uvs = posed
-            .positions
-            .iter()
-            .map(|p| [0.5 + p[0] / 120.0, 0.5 - p[1] / 120.0])
-            .collect();
         region.rest = posed.positions;
         Ok(region)
     }
@@ -102,32 +133,24 @@ impl EyeRegion {
         &self.indices
     }
 
-    /// The vertices of the skin, and its triangles.
-    pub fn skin_part(&self) -> (Range<usize>, Cow<'_, [u32]>) {
-        let end = self.indices.len() - 2 * CORNER_TRIANGLE_CORNERS;
-        (
-            0..self.corner_start(Corner::Medial),
-            (&self.indices[..end]).into(),
-        )
+    /// The skin, which is dry.
+    pub fn skin(&self) -> &RegionPart {
+        &self.skin
     }
 
-    /// The vertices of plica, caruncle and outer corner, and their triangles, counted from the first of them.
-    pub fn conjunctiva_part(&self) -> (Range<usize>, Cow<'_, [u32]>) {
-        let vertices = self.corner_start(Corner::Medial)..self.vertex_count();
-        let first = vertices.start as u32;
-        let own = &self.indices[self.indices.len() - 2 * CORNER_TRIANGLE_CORNERS..];
-        let counted: Vec<u32> = own.iter().map(|index| index - first).collect();
-        (vertices, counted.into())
+    /// The lid margins, which tears wet.
+    pub fn margin(&self) -> &RegionPart {
+        &self.margin
+    }
+
+    /// Plica, caruncle and outer corner.
+    pub fn conjunctiva(&self) -> &RegionPart {
+        &self.conjunctiva
     }
 
     /// Triangles of the tear meniscus.
     pub fn meniscus_indices(&self) -> &[u32] {
         &self.meniscus_indices
-    }
-
-    /// Texture coordinates: (x, −y) of the lids nearly closed, 120 mm wide, so lid skin is not squeezed.
-    pub fn uvs(&self) -> &[[f32; 2]] {
-        &self.uvs
     }
 
     /// Positions with the lids nearly closed, mm: where to evaluate solid noise so that it sticks.
@@ -203,6 +226,20 @@ impl EyeRegion {
             }
         }
         out
+    }
+
+    /// Divides the triangles among the parts.
+    fn divide(&mut self) {
+        let corners = self.indices.len() - 2 * CORNER_TRIANGLE_CORNERS;
+        let (face, corners) = self.indices.split_at(corners);
+        let wet = |triangle: &[u32]| triangle.iter().any(|&v| self.tissue[v as usize][0] > 0.0);
+        let (wet, dry): (Vec<&[u32]>, Vec<_>) = face.chunks_exact(3).partition(|t| wet(t));
+        let parts = [
+            RegionPart::of(dry.into_iter()),
+            RegionPart::of(wet.into_iter()),
+            RegionPart::of(corners.chunks_exact(3)),
+        ];
+        [self.skin, self.margin, self.conjunctiva] = parts;
     }
 
     fn tissue_weights(&self) -> Vec<[f32; 4]> {

@@ -1,42 +1,58 @@
-//! Hairs as thin tapered tubes with three sides.
+//! Hairs as tapered ribbons that face the camera.
 //!
 //! In: the centre line of each hair and its radius at the root. Out: one mesh with a fixed topology:
-//! for each point of a line a ring of [`SIDES`] vertices, root first. Any length unit; the eye uses mm.
+//! for each point of a line two vertices, root first, which [`hair_ribbon`](super::shading::hair_shade::hair_ribbon)
+//! draws apart to the hair's width from wherever it is seen. A round hair looks the same, for it is shaded by its direction
+//! alone (Kajiya and Kay 1989). Any length unit; the eye uses mm.
 
 use glam::Vec3;
 
-/// Vertices around a ring.
-pub const SIDES: usize = 3;
+/// Vertices at each point of a line: the ribbon's two edges.
+pub const EDGES: usize = 2;
 
-/// Many hairs, posed.
+/// Many hairs, posed: all of a vertex but its half width.
 #[derive(Clone, Debug, Default)]
 pub struct HairMesh {
-    /// Positions.
+    /// Points of the centre lines, each [`EDGES`] times.
     pub positions: Vec<[f32; 3]>,
-    /// Unit normals, away from the hair's axis.
-    pub normals: Vec<[f32; 3]>,
+    /// Unit vectors from each hair's root to its tip.
+    pub chords: Vec<[f32; 3]>,
+    /// Unit vectors along the hair, towards its tip.
+    pub along: Vec<[f32; 3]>,
 }
 
-/// Triangles of `hairs` hairs of so many rings (2 or more), counter-clockwise from outside.
-pub fn hair_indices(hairs: usize, rings: usize) -> Vec<u32> {
-    let mut out = Vec::with_capacity(hairs * (rings - 1) * SIDES * 6);
+/// Triangles of `hairs` hairs of so many points (2 or more).
+pub fn hair_indices(hairs: usize, points: usize) -> Vec<u32> {
+    let mut out = Vec::with_capacity(hairs * (points - 1) * 6);
     for h in 0..hairs {
-        let at = |ring: usize, side: usize| ((h * rings + ring) * SIDES + side % SIDES) as u32;
-        for ring in 0..rings - 1 {
-            for side in 0..SIDES {
-                let [a, b] = [at(ring, side), at(ring, side + 1)];
-                let [c, d] = [at(ring + 1, side + 1), at(ring + 1, side)];
-                out.extend([a, b, c, a, c, d]);
-            }
+        for point in 0..points - 1 {
+            let first = ((h * points + point) * EDGES) as u32;
+            let [a, b, c, d] = [0, 1, 3, 2].map(|corner| first + corner);
+            out.extend([a, b, c, a, c, d]);
         }
     }
     out
 }
 
-/// Root (0) to tip (1) for each vertex of `hairs` hairs of so many rings (2 or more).
-pub fn hair_parameter(hairs: usize, rings: usize) -> Vec<f32> {
-    (0..hairs * rings * SIDES)
-        .map(|i| (i / SIDES % rings) as f32 / (rings - 1) as f32)
+/// Root (0) to tip (1) for each vertex of `hairs` hairs of so many points (2 or more).
+pub fn hair_parameter(hairs: usize, points: usize) -> Vec<f32> {
+    (0..hairs * points * EDGES)
+        .map(|i| (i / EDGES % points) as f32 / (points - 1) as f32)
+        .collect()
+}
+
+/// Half of the width at each vertex of hairs of these radii at the root and of so many points (2 or more), negative on one of
+/// the two edges: a fifth is left at the tip.
+pub fn hair_half_widths(radii: impl IntoIterator<Item = f32>, points: usize) -> Vec<f32> {
+    let half_width = |radius: f32, point: usize| {
+        let s = point as f32 / (points - 1) as f32;
+        radius * (0.2 + 0.8 * (1.0 - s * s))
+    };
+    radii
+        .into_iter()
+        .flat_map(|radius| {
+            (0..points).flat_map(move |point| [-1.0, 1.0].map(|edge| edge * half_width(radius, point)))
+        })
         .collect()
 }
 
@@ -44,29 +60,25 @@ impl HairMesh {
     /// Empties the mesh and keeps its memory.
     pub fn clear(&mut self) {
         self.positions.clear();
-        self.normals.clear();
+        self.chords.clear();
+        self.along.clear();
     }
 
-    /// Adds one hair along `line` (2 points or more), `radius` at the root, a fifth of it at the tip.
-    pub fn push(&mut self, line: &[Vec3], radius: f32) {
+    /// Adds one hair along `line` (2 points or more).
+    pub fn push(&mut self, line: &[Vec3]) {
         let last = line.len().saturating_sub(1);
-        let mut side = Vec3::ZERO;
-        for ring in 0..line.len() {
-            let along = (line[(ring + 1).min(last)] - line[ring.saturating_sub(1)])
-                .normalize_or(Vec3::NEG_Z);
-            // Carried along the hair, so that the tube does not twist.
-            side = (side - along * side.dot(along))
-                .try_normalize()
-                .unwrap_or_else(|| along.any_orthonormal_vector());
-            let other = along.cross(side);
-            let s = ring as f32 / last.max(1) as f32;
-            let thick = radius * (0.2 + 0.8 * (1.0 - s * s));
-            for k in 0..SIDES {
-                let (sin, cos) = (std::f32::consts::TAU * k as f32 / SIDES as f32).sin_cos();
-                let normal = side * cos + other * sin;
-                self.positions
-                    .push((line[ring] + normal * thick).to_array());
-                self.normals.push(normal.to_array());
+        let along = |point: usize| {
+            (line[(point + 1).min(last)] - line[point.saturating_sub(1)]).normalize_or(Vec3::NEG_Z)
+        };
+        if line.is_empty() {
+            return;
+        }
+        let chord = (line[last] - line[0]).normalize_or(along(0));
+        for (point, at) in line.iter().enumerate() {
+            for _ in 0..EDGES {
+                self.positions.push(at.to_array());
+                self.chords.push(chord.to_array());
+                self.along.push(along(point).to_array());
             }
         }
     }
@@ -75,30 +87,74 @@ impl HairMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::shading::hair_shade::hair_ribbon;
 
-    const RINGS: usize = 8;
+    const POINTS: usize = 8;
 
     #[test]
-    fn a_hair_has_the_asked_length_taper_and_outward_triangles() {
-        let line: [Vec3; RINGS] =
+    fn a_hair_has_the_asked_length_and_taper() {
+        let line: [Vec3; POINTS] =
             std::array::from_fn(|i| Vec3::new(0.0, i as f32, 0.1 * (i * i) as f32));
         let mut mesh = HairMesh::default();
-        mesh.push(&line, 0.06);
-        assert_eq!(mesh.positions.len(), RINGS * SIDES);
-        let width = |ring: usize| Vec3::from(mesh.positions[ring * SIDES]).distance(line[ring]);
-        assert!((width(0) - 0.06).abs() < 1e-6 && (width(RINGS - 1) - 0.012).abs() < 1e-6);
-        for t in hair_indices(1, RINGS).chunks(3) {
-            let p = |k: usize| Vec3::from(mesh.positions[t[k] as usize]);
-            let face = (p(1) - p(0)).cross(p(2) - p(0));
-            let outward = (0..3)
-                .map(|k| Vec3::from(mesh.normals[t[k] as usize]))
-                .sum::<Vec3>();
-            assert!(face.dot(outward) > 0.0);
+        mesh.push(&line);
+        assert_eq!(mesh.positions.len(), POINTS * EDGES);
+        for (vertex, position) in mesh.positions.iter().enumerate() {
+            assert_eq!(Vec3::from(*position), line[vertex / EDGES]);
         }
-        let s = hair_parameter(2, RINGS);
+        let widths = hair_half_widths([0.06, 0.03], POINTS);
+        assert_eq!(widths.len(), 2 * POINTS * EDGES);
+        assert_eq!(widths[..2], [-0.06, 0.06]);
+        assert!((widths[POINTS * EDGES - 1] - 0.012).abs() < 1e-6);
+        assert_eq!(widths[POINTS * EDGES + 1], 0.03);
+        let s = hair_parameter(2, POINTS);
         assert_eq!(
-            (s[0], s[RINGS * SIDES - 1], s[RINGS * SIDES]),
+            (s[0], s[POINTS * EDGES - 1], s[POINTS * EDGES]),
             (0.0, 1.0, 0.0)
         );
+        let mut used = hair_indices(2, POINTS);
+        used.sort_unstable();
+        used.dedup();
+        assert!(used.into_iter().eq(0..(2 * POINTS * EDGES) as u32));
+    }
+
+    #[test]
+    fn a_ribbon_is_as_wide_as_its_hair_from_every_side_and_never_twists() {
+        // A lash: it leaves downwards and curls up, so from the front it points at the camera somewhere.
+        let line: [Vec3; POINTS] = std::array::from_fn(|i| {
+            let angle = -0.26 + 1.2 * i as f32 / (POINTS - 1) as f32;
+            let (sin, cos) = angle.sin_cos();
+            Vec3::new(0.1 * i as f32, sin, -cos) * (1.0 + i as f32)
+        });
+        let mut mesh = HairMesh::default();
+        mesh.push(&line);
+        for (azimuth, elevation) in [(0.0, 0.0), (0.6, 0.0), (-1.2, 0.4), (2.9, -0.8), (0.0, 1.5)] {
+            let (azimuth, elevation): (f32, f32) = (azimuth, elevation);
+            let camera = 200.0
+                * Vec3::new(
+                    azimuth.sin() * elevation.cos(),
+                    elevation.sin(),
+                    -azimuth.cos() * elevation.cos(),
+                );
+            for point in 0..POINTS {
+                let vertex = point * EDGES;
+                let [at, chord, along] =
+                    [&mesh.positions, &mesh.chords, &mesh.along].map(|of| Vec3::from(of[vertex]));
+                let edge = |half_width: f64| {
+                    hair_ribbon(
+                        at.as_dvec3(),
+                        along.as_dvec3(),
+                        chord.as_dvec3(),
+                        camera.as_dvec3(),
+                        half_width,
+                    )
+                };
+                let wide = edge(0.05) - edge(-0.05);
+                let view = (camera - at).normalize().as_dvec3();
+                assert!((wide.length() - 0.1).abs() < 1e-9);
+                assert!(wide.dot(view).abs() < 1e-9 && wide.dot(along.as_dvec3()).abs() < 1e-6);
+                // Both edges stay on their sides of the hair as it is seen.
+                assert!(wide.dot(chord.as_dvec3().cross(view)) >= 0.0);
+            }
+        }
     }
 }

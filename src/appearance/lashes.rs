@@ -10,12 +10,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::face_region::{MARGIN_POINTS, PosedRegion};
-use super::hair::{HairMesh, hair_indices, hair_parameter};
+use super::hair::{HairMesh, hair_half_widths, hair_indices, hair_parameter};
 use super::lids::Lid;
 use crate::optics::smoothstep::smoothstep;
 
-/// Rings along a lash.
-pub const RINGS: usize = 8;
+/// Points along a lash.
+pub const POINTS: usize = 8;
 
 /// One lash in the frame of its root.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +42,7 @@ pub struct Lashes {
     lashes: Vec<Lash>,
     indices: Vec<u32>,
     parameter: Vec<f32>,
+    half_widths_mm: Vec<f32>,
 }
 
 impl Lashes {
@@ -54,9 +55,10 @@ impl Lashes {
         grow(Lid::Lower, lower, 0.2, 0.965, &mut random, &mut lashes);
         let count = lashes.len();
         Self {
+            half_widths_mm: hair_half_widths(lashes.iter().map(|lash| lash.radius_mm), POINTS),
             lashes,
-            indices: hair_indices(count, RINGS),
-            parameter: hair_parameter(count, RINGS),
+            indices: hair_indices(count, POINTS),
+            parameter: hair_parameter(count, POINTS),
         }
     }
 
@@ -75,6 +77,11 @@ impl Lashes {
         &self.parameter
     }
 
+    /// Half of the width at each vertex, mm, negative on one edge.
+    pub fn half_widths_mm(&self) -> &[f32] {
+        &self.half_widths_mm
+    }
+
     /// Stands the lashes on a posed region.
     pub fn pose(&self, region: &PosedRegion, out: &mut HairMesh) {
         out.clear();
@@ -83,15 +90,15 @@ impl Lashes {
                 Lid::Upper => (&region.upper_lash_line, &region.upper_margin),
                 Lid::Lower => (&region.lower_lash_line, &region.lower_margin),
             };
-            out.push(&lash.line(line, margin), lash.radius_mm);
+            out.push(&lash.line(line, margin));
         }
     }
 }
 
 impl Lash {
-    fn line(&self, lash_line: &[Vec3], margin: &[Vec3]) -> [Vec3; RINGS] {
+    fn line(&self, lash_line: &[Vec3], margin: &[Vec3]) -> [Vec3; POINTS] {
         if lash_line.len() != MARGIN_POINTS || margin.len() != MARGIN_POINTS {
-            return [Vec3::ZERO; RINGS];
+            return [Vec3::ZERO; POINTS];
         }
         let (root, tangent) = sample(lash_line, self.t);
         let (inner, _) = sample(margin, self.t);
@@ -106,10 +113,10 @@ impl Lash {
         };
         // Rooted a little inside the skin.
         let mut at = root + away * self.row_mm - normal * 0.15;
-        let step = self.length_mm / (RINGS - 1) as f32;
-        std::array::from_fn(|ring| {
+        let step = self.length_mm / (POINTS - 1) as f32;
+        std::array::from_fn(|point| {
             let here = at;
-            let s = (ring as f32 + 0.5) / (RINGS - 1) as f32;
+            let s = (point as f32 + 0.5) / (POINTS - 1) as f32;
             let (sin, cos) = (self.pitch + self.curl * s.powf(1.2)).sin_cos();
             let (turn_sin, turn_cos) = (self.fan + self.lean * s).sin_cos();
             at += ((normal * cos + away * sin) * turn_cos + tangent * turn_sin) * step;
@@ -164,7 +171,7 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
                 t,
                 row_mm: around(0.15, 0.25),
                 length_mm,
-                radius_mm: around(0.045, 0.008),
+                radius_mm: around(0.037, 0.0065),
                 pitch: around(-0.26, 0.14) + tilt,
                 curl: around(1.22, 0.22),
                 fan: around(0.55 * fan, 0.07),
@@ -178,7 +185,7 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
                 t,
                 row_mm: around(0.25, 0.25),
                 length_mm,
-                radius_mm: around(0.041, 0.008),
+                radius_mm: around(0.034, 0.0065),
                 pitch: around(0.3, 0.28) + tilt,
                 curl: around(0.55, 0.4),
                 fan: around(0.6 * fan, 0.12),

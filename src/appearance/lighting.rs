@@ -260,9 +260,11 @@ pub fn light_eyes(
                 material.around = map.clone();
             }
         }
-        if let Some(mut material) = assets.skins.get_mut(&parts.skin_material) {
-            material.illumination = illumination;
-            material.around = map.clone();
+        for material in &parts.skin_materials {
+            if let Some(mut material) = assets.skins.get_mut(material) {
+                material.illumination = illumination;
+                material.around = map.clone();
+            }
         }
         if let Some(mut material) = assets.hairs.get_mut(&parts.hair_material) {
             material.illumination = illumination;

@@ -15,7 +15,7 @@ use bevy::asset::{Asset, Handle};
 use bevy::image::Image;
 use bevy::math::{Mat3, Mat4, Vec2, Vec3, Vec4};
 use bevy::mesh::{Mesh, MeshVertexBufferLayoutRef};
-use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey};
+use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey, MeshPipelineKey};
 use bevy::prelude::AlphaMode;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::{
@@ -279,10 +279,19 @@ pub struct SkinUniform {
     pub globe_radius_mm: f32,
 }
 
+/// Pipeline key of a [`SkinMaterial`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SkinKey {
+    wet: bool,
+    light: LightKey,
+}
+
 /// The skin of the eye region.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Debug)]
-#[bind_group_data(LightKey)]
+#[bind_group_data(SkinKey)]
 pub struct SkinMaterial {
+    /// Does it draw the lid margins, which tears wet, or what is dry?
+    pub wet: bool,
     /// The numbers.
     #[uniform(0)]
     pub skin: SkinUniform,
@@ -363,6 +372,34 @@ fn vertex_layout(
     Ok(())
 }
 
+/// Makes a pipeline of Bevy's that of an eye's material: with these defines, under this light.
+fn specialize(
+    descriptor: &mut RenderPipelineDescriptor,
+    layout: &MeshVertexBufferLayoutRef,
+    mesh_key: MeshPipelineKey,
+    defines: Vec<&'static str>,
+    light: LightKey,
+) -> Result<(), SpecializedMeshPipelineError> {
+    // A ribbon has no back.
+    if defines.contains(&RIBBON) {
+        descriptor.primitive.cull_mode = None;
+    }
+    // A camera of high dynamic range is given radiance, and has its own way to the screen.
+    let is_radiance = mesh_key.target_format() == TextureFormat::Rgba16Float;
+    let radiance = is_radiance.then_some("RADIANCE");
+    let bare = light.has_bare.then_some("BARE_LAMPS");
+    let near = light.has_near.then_some("NEAR_LAMPS");
+    let defines = defines.into_iter().chain(radiance).chain(bare).chain(near);
+    let lamps = ShaderDefVal::UInt("LAMPS".into(), light.lamps);
+    let defines: Vec<ShaderDefVal> = defines.map(Into::into).chain([lamps]).collect();
+    // Both stages with the same ones: then they are one module.
+    if let Some(fragment) = &mut descriptor.fragment {
+        fragment.shader_defs.extend(defines.iter().cloned());
+    }
+    descriptor.vertex.shader_defs.extend(defines);
+    vertex_layout(descriptor, layout)
+}
+
 macro_rules! eye_material {
     ($material:ty, $shader:expr, $alpha:expr, $define:expr, $light:expr) => {
         impl Material for $material {
@@ -387,27 +424,19 @@ macro_rules! eye_material {
                 layout: &MeshVertexBufferLayoutRef,
                 key: MaterialPipelineKey<Self>,
             ) -> Result<(), SpecializedMeshPipelineError> {
-                let define: fn(MaterialPipelineKey<Self>) -> Vec<&'static str> = $define;
+                let define: fn(&MaterialPipelineKey<Self>) -> Vec<&'static str> = $define;
                 let light: fn(&MaterialPipelineKey<Self>) -> LightKey = $light;
-                let light = light(&key);
-                // A camera of high dynamic range is given radiance, and has its own way to the screen.
-                let radiance = (key.mesh_key.target_format() == TextureFormat::Rgba16Float)
-                    .then_some("RADIANCE");
-                if let Some(fragment) = &mut descriptor.fragment {
-                    let bare = light.has_bare.then_some("BARE_LAMPS");
-                    let near = light.has_near.then_some("NEAR_LAMPS");
-                    let defines = define(key).into_iter().chain(radiance);
-                    let defines = defines.chain(bare).chain(near);
-                    fragment.shader_defs.extend(defines.map(Into::into));
-                    let lamps = ShaderDefVal::UInt("LAMPS".into(), light.lamps);
-                    fragment.shader_defs.push(lamps.clone());
-                    descriptor.vertex.shader_defs.push(lamps);
-                }
-                vertex_layout(descriptor, layout)
+                let (defines, light) = (define(&key), light(&key));
+                specialize(descriptor, layout, key.mesh_key, defines, light)
             }
         }
     };
 }
+
+/// The define of what the vertex stage draws apart to a ribbon.
+const RIBBON: &str = "RIBBON";
+/// The define of what is wet.
+const WET: &str = "WET";
 
 // A mask that lets everything through: masked meshes are drawn after opaque ones, so that the lids
 // have hidden most of the globe before its costly pixels are shaded.
@@ -416,7 +445,7 @@ eye_material!(
     shaders::GLOBE,
     AlphaMode::Mask(0.0),
     |key| {
-        let key = key.bind_group_data;
+        let key = &key.bind_group_data;
         let mut defines = match key.part {
             GlobePart::Sclera => vec!["WHITE"],
             GlobePart::Conjunctiva => vec!["WHITE", "CONJUNCTIVA"],
@@ -437,9 +466,12 @@ eye_material!(
     },
     |key| key.bind_group_data.light
 );
-impl From<&SkinMaterial> for LightKey {
+impl From<&SkinMaterial> for SkinKey {
     fn from(material: &SkinMaterial) -> Self {
-        material.illumination.key()
+        Self {
+            wet: material.wet,
+            light: material.illumination.key(),
+        }
     }
 }
 
@@ -447,8 +479,12 @@ eye_material!(
     SkinMaterial,
     shaders::SKIN,
     AlphaMode::Opaque,
-    |_| vec![],
-    |key| key.bind_group_data
+    |key| if key.bind_group_data.wet {
+        vec![WET]
+    } else {
+        vec![]
+    },
+    |key| key.bind_group_data.light
 );
 impl From<&HairMaterial> for LightKey {
     fn from(material: &HairMaterial) -> Self {
@@ -460,7 +496,7 @@ eye_material!(
     HairMaterial,
     shaders::HAIR,
     AlphaMode::Opaque,
-    |_| vec![],
+    |_| vec![RIBBON],
     |key| key.bind_group_data
 );
 impl From<&MeniscusMaterial> for LightKey {

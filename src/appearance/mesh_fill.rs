@@ -2,7 +2,7 @@
 
 use super::brow::Brow;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
-use super::hair::{HairMesh, SIDES};
+use super::hair::HairMesh;
 use super::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins};
 use crate::optics::globe::GlobeShape;
 use bevy::asset::RenderAssetUsages;
@@ -24,22 +24,19 @@ pub(super) fn empty_mesh() -> Mesh {
 /// is a right eye's; `mirror` = −1 makes it a left one's.
 pub(super) fn fill_mesh(
     mesh: &mut Mesh,
-    positions: &[[f32; 3]],
-    normals: &[[f32; 3]],
+    positions: impl ExactSizeIterator<Item = [f32; 3]>,
+    normals: impl Iterator<Item = [f32; 3]>,
     tissue: Vec<[f32; 4]>,
     rest: impl FnOnce() -> Vec<[f32; 4]>,
     indices: &[u32],
     mirror: f32,
 ) {
     let first_time = mesh.count_vertices() != positions.len();
-    let turned = |vectors: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        vectors
-            .iter()
-            .map(|v| [mirror * v[0], v[1], v[2]])
-            .collect()
-    };
-    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, turned(positions));
-    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, turned(normals));
+    let turned = |v: [f32; 3]| [mirror * v[0], v[1], v[2]];
+    let positions: Vec<[f32; 3]> = positions.map(turned).collect();
+    let normals: Vec<[f32; 3]> = normals.map(turned).collect();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
     mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, tissue);
     if first_time {
         mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, rest());
@@ -53,38 +50,23 @@ pub(super) fn fill_mesh(
         mesh.insert_indices(Indices::U32(indices));
     }
 }
-/// Puts posed hairs into a mesh: the weights hold each vertex' direction and place along the hair.
+/// Puts posed hairs into a mesh: the normals hold each hair's chord, the weights each vertex' direction and place along the hair,
+/// the resting place its half width.
 pub(super) fn fill_hair(
     mesh: &mut Mesh,
     hair: &HairMesh,
-    parameter: &[f32],
+    (parameter, half_widths): (&[f32], &[f32]),
     indices: &[u32],
     mirror: f32,
 ) {
-    let count = hair.positions.len();
-    let at = |index: usize| Vec3::from(hair.positions[index.min(count - 1)]);
-    let along = (0..count).map(|index| {
-        // The last ring has none to point at.
-        let (from, to) = if parameter[index] < 1.0 {
-            (index, index + SIDES)
-        } else {
-            (index - SIDES, index)
-        };
-        let direction = (at(to) - at(from)).normalize_or(Vec3::NEG_Z);
-        [
-            mirror * direction.x,
-            direction.y,
-            direction.z,
-            parameter[index],
-        ]
-    });
-    let along = along.collect();
-    let rest = || vec![[0.0, 0.0, 0.0, 1.0]; count];
+    let along = hair.along.iter().zip(parameter);
+    let along = along.map(|(d, place)| [mirror * d[0], d[1], d[2], *place]);
+    let rest = || half_widths.iter().map(|w| [*w, 0.0, 0.0, 1.0]).collect();
     fill_mesh(
         mesh,
-        &hair.positions,
-        &hair.normals,
-        along,
+        hair.positions.iter().copied(),
+        hair.chords.iter().copied(),
+        along.collect(),
         rest,
         indices,
         mirror,
@@ -100,7 +82,8 @@ pub(super) fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64, mirro
     brow.pose(&posed, &mut hair);
     let mut mesh = empty_mesh();
     if !hair.positions.is_empty() {
-        fill_hair(&mut mesh, &hair, brow.parameter(), brow.indices(), mirror);
+        let fixed = (brow.parameter(), brow.half_widths_mm());
+        fill_hair(&mut mesh, &hair, fixed, brow.indices(), mirror);
     }
     mesh
 }

@@ -145,7 +145,10 @@ pub struct EyeParts {
     #[reflect(ignore)]
     pub(super) skin: Handle<Mesh>,
     #[reflect(ignore)]
-    pub(super) skin_material: Handle<SkinMaterial>,
+    pub(super) margin: Handle<Mesh>,
+    /// Of the skin and of the lid margins.
+    #[reflect(ignore)]
+    pub(super) skin_materials: [Handle<SkinMaterial>; 2],
     #[reflect(ignore)]
     pub(super) conjunctiva_mesh: Handle<Mesh>,
     #[reflect(ignore)]
@@ -501,10 +504,10 @@ impl Builder<'_, '_, '_, '_> {
         seed: u64,
         parts: &mut EyeParts,
     ) {
-        let albedo = skin_albedo(anatomy.skin.tone);
-        let material = self.assets.skins.add(SkinMaterial {
+        let dry = SkinMaterial {
+            wet: false,
             skin: SkinUniform {
-                albedo,
+                albedo: skin_albedo(anatomy.skin.tone),
                 roughness: 0.42,
                 flesh: flesh(anatomy.sclera),
                 pores: 1.0,
@@ -513,10 +516,17 @@ impl Builder<'_, '_, '_, '_> {
             skin_map: self.assets.images.add(skin_image(seed)),
             illumination,
             around: around.clone(),
-        });
+        };
+        let wet = SkinMaterial {
+            wet: true,
+            ..dry.clone()
+        };
+        parts.skin_materials = [dry, wet].map(|material| self.assets.skins.add(material));
         parts.skin = self.assets.meshes.add(empty_mesh());
-        parts.skin_material = material.clone();
-        self.add(parts.skin.clone(), MeshMaterial3d(material));
+        parts.margin = self.assets.meshes.add(empty_mesh());
+        let [dry, wet] = parts.skin_materials.clone();
+        self.add(parts.skin.clone(), MeshMaterial3d(dry));
+        self.add(parts.margin.clone(), MeshMaterial3d(wet));
     }
 
     fn hair(

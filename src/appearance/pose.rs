@@ -216,30 +216,30 @@ pub fn move_lids(
         region.pose(&pose, &globe_radius, &mut parts.posed);
         parts.lids = lid_margins(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 
-        let mut vertices = parts.posed.positions.len();
-        for (handle, (part, indices)) in [
-            (&parts.skin, region.skin_part()),
-            (&parts.conjunctiva_mesh, region.conjunctiva_part()),
+        let mut vertices = 0;
+        for (handle, part) in [
+            (&parts.skin, region.skin()),
+            (&parts.margin, region.margin()),
+            (&parts.conjunctiva_mesh, region.conjunctiva()),
         ] {
             let Some(mut mesh) = assets.meshes.get_mut(handle) else {
                 continue;
             };
+            vertices += part.vertices.len();
             // What lies in the fold or under the lid changes with the pose, so it rides in the weights.
-            let tissue = region.tissue()[part.clone()]
-                .iter()
-                .zip(&parts.posed.light[part.clone()]);
+            let tissue = part
+                .of_list(region.tissue())
+                .zip(part.of_list(&parts.posed.light));
             let tissue =
-                tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], *light]);
-            let rest = region.rest()[part.clone()]
-                .iter()
-                .map(|p| [p[0], p[1], p[2], 1.0]);
+                tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], light]);
+            let rest = part.of_list(region.rest()).map(|p| [p[0], p[1], p[2], 1.0]);
             fill_mesh(
                 &mut mesh,
-                &parts.posed.positions[part.clone()],
-                &parts.posed.normals[part],
+                part.of_list(&parts.posed.positions),
+                part.of_list(&parts.posed.normals),
                 tissue.collect(),
                 || rest.collect(),
-                &indices,
+                &part.indices,
                 mirror,
             );
         }
@@ -249,7 +249,7 @@ pub fn move_lids(
             fill_hair(
                 &mut mesh,
                 &parts.hair,
-                lashes.parameter(),
+                (lashes.parameter(), lashes.half_widths_mm()),
                 lashes.indices(),
                 mirror,
             );
@@ -259,8 +259,8 @@ pub fn move_lids(
             vertices += count;
             fill_mesh(
                 &mut mesh,
-                &parts.posed.meniscus_positions,
-                &parts.posed.meniscus_normals,
+                parts.posed.meniscus_positions.iter().copied(),
+                parts.posed.meniscus_normals.iter().copied(),
                 vec![[0.0; 4]; count],
                 || vec![[0.0, 0.0, 0.0, 1.0]; count],
                 region.meniscus_indices(),

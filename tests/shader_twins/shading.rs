@@ -538,6 +538,44 @@ fn hair() {
         1e-2,
     );
 }
+
+#[test]
+fn ribbon() {
+    pass_unless_off(
+        &Twin {
+            name: "hair_ribbon",
+            library: &["hair_shade"],
+            call: &format!(
+                "{VIEWS} let c = hair_ribbon(m, k, n, v, x[12]); {RGB_OUT}"
+            ),
+            draw: &|rng| {
+                let mut x: Vec<f32> = (0..3).map(|_| between(rng, -20.0, 20.0)).collect();
+                x.extend(unit(rng));
+                x.extend(unit(rng));
+                let away = between(rng, 30.0, 500.0);
+                x.extend(unit(rng).map(|c| c * away));
+                x.push(between(rng, -0.1, 0.1));
+                x
+            },
+            exact: &|x| {
+                rgb(hair_shade::hair_ribbon(
+                    v3(x),
+                    v3(&x[3..]),
+                    v3(&x[6..]),
+                    v3(&x[9..]),
+                    x[12],
+                ))
+            },
+            // Places of 20 mm carry 2e-6; which side is which flips where the chord points at the camera.
+            absolute: 5e-6,
+            relative: 1e-6,
+            steep_share: 0.001,
+        },
+        &[],
+        0,
+        1e-3,
+    );
+}
 /// Any shade that lids can make.
 pub fn draw_shade(rng: &mut Pcg64) -> [f32; 4] {
     [

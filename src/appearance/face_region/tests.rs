@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::*;
 use crate::appearance::brow::Brow;
 use crate::appearance::canthus::EDGE_MM;
-use crate::appearance::hair::{HairMesh, SIDES};
+use crate::appearance::hair::{EDGES, HairMesh};
 use crate::appearance::lashes::Lashes;
 use crate::appearance::{brow, lashes};
 
@@ -63,6 +63,25 @@ fn posed(region: &EyeRegion, pose: &LidPose) -> PosedRegion {
 }
 
 #[test]
+fn its_parts_are_all_of_it_and_dry_skin_is_nowhere_wet() {
+    let region = EyeRegion::load().unwrap();
+    let parts = [region.skin(), region.margin(), region.conjunctiva()];
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for part in parts {
+        let corners = part.of_list(&(0..region.rest().len() as u32).collect::<Vec<_>>());
+        let corners: Vec<u32> = corners.collect();
+        let own = part.indices.chunks_exact(3);
+        triangles.extend(own.map(|t| [t[0], t[1], t[2]].map(|place| corners[place as usize])));
+    }
+    let mut all: Vec<[u32; 3]> = region.indices().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    triangles.sort_unstable();
+    all.sort_unstable();
+    assert_eq!(triangles, all);
+    assert!(region.skin().of_list(region.tissue()).all(|weights| weights[0] == 0.0));
+    assert!(region.margin().of_list(region.tissue()).any(|weights| weights[0] == 1.0));
+}
+
+#[test]
 fn the_mesh_is_whole() {
     let region = EyeRegion::load().unwrap();
     let out = posed(&region, &LidPose::default());
@@ -70,13 +89,12 @@ fn the_mesh_is_whole() {
     assert!((6_000..=12_000).contains(&count), "{count}");
     assert_eq!(
         [
-            region.uvs().len(),
             region.tissue().len(),
             region.rest().len(),
             out.normals.len(),
             out.light.len()
         ],
-        [count; 5]
+        [count; 4]
     );
     assert!(region.indices().iter().all(|&i| (i as usize) < count));
     assert!(
@@ -404,9 +422,9 @@ fn lashes_stand_on_the_lash_lines() {
             .chain(&out.lower_lash_line)
             .copied()
             .collect();
-        for hair in mesh.positions.chunks(lashes::RINGS * SIDES) {
+        for hair in mesh.positions.chunks(lashes::POINTS * EDGES) {
             let root = Vec3::from(hair[0]);
-            let tip = Vec3::from(hair[lashes::RINGS * SIDES - 1]);
+            let tip = Vec3::from(hair[lashes::POINTS * EDGES - 1]);
             let off = lines
                 .iter()
                 .map(|p| p.distance(root))
@@ -433,9 +451,9 @@ fn brow_hairs_lie_on_the_skin() {
     let out = posed(&region, &LidPose::default());
     let mut mesh = HairMesh::default();
     brow.pose(&out, &mut mesh);
-    let hairs = mesh.positions.len() / (brow::RINGS * SIDES);
+    let hairs = mesh.positions.len() / (brow::POINTS * EDGES);
     assert!((500..700).contains(&hairs), "{hairs}");
-    for hair in mesh.positions.chunks(brow::RINGS * SIDES) {
+    for hair in mesh.positions.chunks(brow::POINTS * EDGES) {
         let root = Vec3::from(hair[0]);
         assert!((10.0..30.0).contains(&root.y), "{root}");
     }

@@ -15,3 +15,23 @@ pub fn hair_lamp(color: DVec3, along: DVec3, v: DVec3, light: DVec3) -> DVec3 {
 pub fn hair_ambient(color: DVec3, ambient: DVec3) -> DVec3 {
     0.8 * color * ambient
 }
+
+/// An edge of the ribbon that draws a hair, this half width (of either sign) aside of its centre line as it is seen from `camera`;
+/// `along` and `chord` (from root to tip) are unit vectors. The chord tells which side is which where the hair bends towards the
+/// camera and away again.
+pub fn hair_ribbon(
+    center: DVec3,
+    along: DVec3,
+    chord: DVec3,
+    camera: DVec3,
+    half_width: f64,
+) -> DVec3 {
+    let v = (camera - center).normalize();
+    let aside = along.cross(v);
+    let turned = if aside.dot(chord.cross(v)) >= 0.0 {
+        1.0
+    } else {
+        -1.0
+    };
+    center + aside * (turned * half_width / aside.length().max(1e-4))
+}
