@@ -20,6 +20,11 @@ struct Skin {
 
 const TILE_MM: f32 = 16.0;
 
+// The tile at a place: its texels hold numbers of -1 to 1 as 0 to 1.
+fn skin_tile(uv: vec2<f32>, level: f32) -> vec4<f32> {
+    return 2.0 * textureSampleLevel(skin_map, skin_sampler, uv, level) - 1.0;
+}
+
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let p = in.position;
@@ -33,9 +38,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - p);
     let footprint = footprint_at(distance(in.camera, p));
     let texel_mm = TILE_MM / f32(textureDimensions(skin_map).x);
-    let fine = textureSampleLevel(skin_map, skin_sampler, q.xy / TILE_MM, footprint_level(footprint, texel_mm));
+    let fine = skin_tile(q.xy / TILE_MM, footprint_level(footprint, texel_mm));
     // A second, larger look at the same tile hides that it repeats.
-    let coarse = textureSampleLevel(skin_map, skin_sampler, q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
+    let coarse = skin_tile(q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
     let n = skin_normal(normalize(in.normal), v, tissue, skin.pores, fine, coarse);
     let albedo = skin_albedo(skin.albedo, skin.flesh, tissue, fine, coarse, length(p), skin.globe_radius_mm);
     var light = ambient(n) * skin_openness(tissue);

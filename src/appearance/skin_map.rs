@@ -8,6 +8,8 @@ use crate::tissue::noise::{fbm, gradient_noise, worley};
 
 /// Texels along a side.
 pub const SIDE: usize = 256;
+/// No number of it is further from zero.
+pub const RANGE: f32 = 1.0;
 /// What a side spans, mm.
 pub const TILE_MM: f32 = 16.0;
 
@@ -54,6 +56,21 @@ pub fn skin_tile(seed: u32) -> Vec<[f32; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn its_numbers_stay_within_their_range() {
+        for seed in 0..24 {
+            let numbers = skin_tile(seed);
+            let largest = [0, 1, 2, 3].map(|channel| {
+                numbers
+                    .iter()
+                    .map(|texel| texel[channel].abs())
+                    .fold(0.0, f32::max)
+            });
+            println!("{seed}: {largest:?}");
+            assert!(largest.into_iter().all(|number| number < RANGE), "{largest:?}");
+        }
+    }
 
     #[test]
     fn the_tile_repeats_and_is_about_level() {

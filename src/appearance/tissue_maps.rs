@@ -1,6 +1,6 @@
 //! A patient's tissues as textures, colours and the globe's numbers.
 
-use super::images::map_image;
+use super::images::{byte_map_image, map_image};
 use super::iris_map::{IrisMap, IrisMapSettings};
 use super::light_table::{LightTableSettings, LightTableSize, SKY_RADII};
 use super::materials::{GlobeUniform, LidMargins};
@@ -97,7 +97,8 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
 pub(super) fn skin_image(seed: u64) -> Image {
     let side = super::skin_map::SIDE;
     let tile = super::skin_map::skin_tile(fold(seed));
-    let mut image = map_image(&chain((side, side), tile), true);
+    let range = super::skin_map::RANGE;
+    let mut image = byte_map_image(&chain((side, side), tile), range, true);
     if let bevy::image::ImageSampler::Descriptor(sampler) = &mut image.sampler {
         sampler.address_mode_v = bevy::image::ImageAddressMode::Repeat;
     }
