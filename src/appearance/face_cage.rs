@@ -53,6 +53,9 @@ pub enum Shape {
     Wide,
 }
 
+/// How often the shipped face is refined.
+const REFINED: usize = 2;
+
 const REGION: &str = "region.obj";
 const SHAPES: [(&str, &str); 7] = [
     (
@@ -126,14 +129,28 @@ struct Source {
 }
 
 impl Cage {
-    /// Reads, fits and refines the shipped face twice.
+    /// Its quads at a level of division: the finest (0), those from which they were refined (1), and those from which these were
+    /// (2), between the vertices that they have kept.
+    pub fn quads_of(&self, level: usize) -> Vec<[u32; 4]> {
+        let mut quads = self.quads.clone();
+        for _ in 0..level.min(REFINED) {
+            // The children of a quad follow one another, each from the corner that it has kept.
+            let parents = quads.chunks_exact(4);
+            quads = parents
+                .map(|children| [0, 1, 2, 3].map(|child: usize| children[child][0]))
+                .collect();
+        }
+        quads
+    }
+
+    /// Reads, fits and refines the shipped face.
     pub fn load() -> Result<Self, FaceError> {
         let mut source = parse_region(include_str!("../../assets/face/region.obj"))?;
         for (number, (file, text)) in SHAPES.into_iter().enumerate() {
             parse_shape(file, text, number, &mut source.mesh)?;
         }
         let mut inside = inside_faces(&source)?;
-        for _ in 0..2 {
+        for _ in 0..REFINED {
             let refined = catmull_clark(&source.mesh);
             source = Source {
                 margin: refined.refine_chain(&source.margin, true),

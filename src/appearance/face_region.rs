@@ -7,17 +7,18 @@
 //! fill the corners (`canthus`). Frame: globe frame, mm, right eye (mirror x for the left).
 
 use glam::Vec3;
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use super::canthus::{
     CORNER_COLUMNS, CORNER_ROWS, Corner, MENISCUS_POINTS, MENISCUS_STATIONS, corner_grid,
     corner_tissue, meniscus_strip,
 };
 pub use super::face_cage::FaceError;
-use super::face_cage::{Cage, Shape};
+use super::face_cage::{BorderVertex, Cage, Shape};
 use super::lid_profile::{ANTERIOR_ROW, Column, ColumnFrame, EDGE_ROWS, ROWS, column_profile};
 pub use super::lids::LidPose;
 use super::lids::{Fissure, Lid, MarginPoint};
+use super::region_parts::{COLUMN_STEP, CORNER_STEP, LEVELS, ROWS_OF, RegionParts};
 use crate::optics::smoothstep::smoothstep;
 
 /// Points of each margin polyline in [`PosedRegion`].
@@ -32,45 +33,8 @@ pub struct EyeRegion {
     meniscus_indices: Vec<u32>,
     tissue: Vec<[f32; 4]>,
     rest: Vec<[f32; 3]>,
-    skin: RegionPart,
-    margin: RegionPart,
-    conjunctiva: RegionPart,
+    parts: [RegionParts; LEVELS],
 }
-
-/// Some triangles of a region that are a mesh of their own.
-#[derive(Clone, Debug, Default)]
-pub struct RegionPart {
-    /// Its vertices in the region's lists.
-    pub vertices: Vec<u32>,
-    /// Its triangles: places in `vertices`.
-    pub indices: Vec<u32>,
-}
-
-impl RegionPart {
-    fn of<'a>(triangles: impl Iterator<Item = &'a [u32]>) -> Self {
-        let mut part = Self::default();
-        let mut places = HashMap::new();
-        for &vertex in triangles.flatten() {
-            let place = *places.entry(vertex).or_insert_with(|| {
-                part.vertices.push(vertex);
-                part.vertices.len() as u32 - 1
-            });
-            part.indices.push(place);
-        }
-        part
-    }
-
-    /// What a list of the region has for the vertices of this part.
-    ///
-    /// # Panics
-    /// If the list is not one of the region that this part is of.
-    pub fn of_list<T: Copy>(&self, list: &[T]) -> impl ExactSizeIterator<Item = T> {
-        self.vertices.iter().map(|&vertex| list[vertex as usize])
-    }
-}
-
-/// Corners of the triangles of one corner's grid; they come last.
-const CORNER_TRIANGLE_CORNERS: usize = 6 * (CORNER_COLUMNS - 1) * (CORNER_ROWS - 1);
 
 /// A posed region. Reuse it: its buffers keep their size.
 #[derive(Clone, Debug, Default)]
@@ -109,15 +73,17 @@ impl EyeRegion {
             meniscus_indices: meniscus_indices(),
             tissue: Vec::new(),
             rest: Vec::new(),
-            skin: RegionPart::default(),
-            margin: RegionPart::default(),
-            conjunctiva: RegionPart::default(),
+            parts: Default::default(),
             fissure: Fissure::default(),
             cage,
         };
-        region.indices = region.triangles();
+        region.indices = region.triangles(0).concat();
         region.tissue = region.tissue_weights();
-        region.divide();
+        region.parts = std::array::from_fn(|level| {
+            let [face, corners] = region.triangles(level);
+            let wet = |vertex: u32| region.tissue[vertex as usize][0] > 0.0;
+            RegionParts::new(&face, &corners, wet)
+        });
         let closed = LidPose {
             aperture: 0.25,
             ..LidPose::default()
@@ -133,19 +99,9 @@ impl EyeRegion {
         &self.indices
     }
 
-    /// The skin, which is dry.
-    pub fn skin(&self) -> &RegionPart {
-        &self.skin
-    }
-
-    /// The lid margins, which tears wet.
-    pub fn margin(&self) -> &RegionPart {
-        &self.margin
-    }
-
-    /// Plica, caruncle and outer corner.
-    pub fn conjunctiva(&self) -> &RegionPart {
-        &self.conjunctiva
+    /// Its meshes, divided this finely (0 to [`LEVELS`] − 1, the finest first).
+    pub fn parts(&self, level: usize) -> &RegionParts {
+        &self.parts[level.min(LEVELS - 1)]
     }
 
     /// Triangles of the tear meniscus.
@@ -184,13 +140,18 @@ impl EyeRegion {
         self.corner_start(Corner::Lateral) + CORNER_COLUMNS * CORNER_ROWS
     }
 
-    fn triangles(&self) -> Vec<u32> {
-        let mut out = Vec::new();
-        let mut quad = |a: u32, b: u32, c: u32, d: u32| out.extend([a, b, c, a, c, d]);
-        for &[a, b, c, d] in &self.cage.quads {
-            quad(a, b, c, d);
+    /// The triangles of face and lids, and those of the corners.
+    fn triangles(&self, level: usize) -> [Vec<u32>; 2] {
+        let mut face = Vec::new();
+        for quad in self.cage.quads_of(level) {
+            push_quad(&mut face, quad);
         }
+        let (rows, step) = (ROWS_OF[level], COLUMN_STEP[level]);
         let columns = self.cage.border.len();
+        // The columns that end at vertices which the face has at this level.
+        let kept: HashSet<u32> = face.iter().copied().collect();
+        let ends = |border: &BorderVertex| kept.contains(&border.index);
+        let first = self.cage.border.iter().position(ends).unwrap_or(0);
         let at = |j: usize, row: usize| {
             let j = j % columns;
             if row == ROWS {
@@ -199,47 +160,39 @@ impl EyeRegion {
                 (self.lid_start() + j * ROWS + row) as u32
             }
         };
-        for j in 0..columns {
-            for row in 0..ROWS {
-                quad(
-                    at(j, row),
-                    at(j, row + 1),
-                    at(j + 1, row + 1),
-                    at(j + 1, row),
-                );
+        for j in (first..first + columns).step_by(step) {
+            for pair in rows.windows(2) {
+                let next = j + step;
+                let quad = [
+                    at(j, pair[0]),
+                    at(j, pair[1]),
+                    at(next, pair[1]),
+                    at(next, pair[0]),
+                ];
+                push_quad(&mut face, quad);
             }
         }
+        let mut corners = Vec::new();
+        let step = CORNER_STEP[level];
         for corner in [Corner::Medial, Corner::Lateral] {
             let at =
                 |c: usize, r: usize| (self.corner_start(corner) + r * CORNER_COLUMNS + c) as u32;
-            for c in 0..CORNER_COLUMNS - 1 {
-                for r in 0..CORNER_ROWS - 1 {
-                    match corner {
-                        Corner::Medial => {
-                            quad(at(c, r), at(c, r + 1), at(c + 1, r + 1), at(c + 1, r))
-                        }
-                        Corner::Lateral => {
-                            quad(at(c, r), at(c + 1, r), at(c + 1, r + 1), at(c, r + 1))
-                        }
+            for c in (0..CORNER_COLUMNS - 1).step_by(step) {
+                for r in (0..CORNER_ROWS - 1).step_by(step) {
+                    let mut quad = [
+                        at(c, r),
+                        at(c, r + step),
+                        at(c + step, r + step),
+                        at(c + step, r),
+                    ];
+                    if corner == Corner::Lateral {
+                        quad.swap(1, 3);
                     }
+                    push_quad(&mut corners, quad);
                 }
             }
         }
-        out
-    }
-
-    /// Divides the triangles among the parts.
-    fn divide(&mut self) {
-        let corners = self.indices.len() - 2 * CORNER_TRIANGLE_CORNERS;
-        let (face, corners) = self.indices.split_at(corners);
-        let wet = |triangle: &[u32]| triangle.iter().any(|&v| self.tissue[v as usize][0] > 0.0);
-        let (wet, dry): (Vec<&[u32]>, Vec<_>) = face.chunks_exact(3).partition(|t| wet(t));
-        let parts = [
-            RegionPart::of(dry.into_iter()),
-            RegionPart::of(wet.into_iter()),
-            RegionPart::of(corners.chunks_exact(3)),
-        ];
-        [self.skin, self.margin, self.conjunctiva] = parts;
+        [face, corners]
     }
 
     fn tissue_weights(&self) -> Vec<[f32; 4]> {
@@ -391,6 +344,10 @@ impl EyeRegion {
         out.meniscus_positions
             .extend(out.points.iter().map(|p| p.to_array()));
     }
+}
+
+fn push_quad(triangles: &mut Vec<u32>, [a, b, c, d]: [u32; 4]) {
+    triangles.extend([a, b, c, a, c, d]);
 }
 
 /// Unit tangents of the globe at each margin point, away from the fissure; at the canthi, where the

@@ -21,7 +21,8 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
 /// half the time.
 pub fn byte_map_image(levels: &[Level], range: f32, wrap: bool) -> Image {
     let values = levels.iter().flat_map(|(_, _, texels)| texels).flatten();
-    let data = values.map(|value| ((0.5 + 0.5 * value / range).clamp(0.0, 1.0) * 255.0).round() as u8);
+    let data =
+        values.map(|value| ((0.5 + 0.5 * value / range).clamp(0.0, 1.0) * 255.0).round() as u8);
     let data = data.collect();
     image_of(levels, data, TextureFormat::Rgba8Unorm, wrap)
 }

@@ -20,6 +20,7 @@ pub mod illumination;
 pub mod images;
 pub mod iris_map;
 pub mod lashes;
+mod levels;
 pub mod lid_edges;
 pub mod lid_profile;
 pub mod lids;
@@ -30,6 +31,7 @@ pub mod materials;
 mod mesh_fill;
 pub mod model;
 pub mod pose;
+pub mod region_parts;
 pub mod sclera_map;
 pub mod shading;
 pub mod skin_map;
@@ -74,6 +76,7 @@ impl Plugin for AppearancePlugin {
                 lighting::light_eyes,
                 model::build_eyes,
                 pose::move_eyes,
+                levels::choose_levels,
                 pose::move_lids,
                 pose::cloud_lenses,
                 pose::focus_lenses,

@@ -115,6 +115,9 @@ pub struct EyeParts {
     pub(super) light: Option<(LightTableSettings, Handle<Image>)>,
     #[reflect(ignore)]
     pub(super) layers: RenderLayers,
+    /// How finely its skin is divided; see [`super::region_parts`].
+    #[reflect(ignore)]
+    pub(super) level: usize,
     #[reflect(ignore)]
     pub(super) lashes: Option<Lashes>,
     #[reflect(ignore)]

@@ -217,10 +217,11 @@ pub fn move_lids(
         parts.lids = lid_margins(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 
         let mut vertices = 0;
+        let meshes = region.parts(parts.level);
         for (handle, part) in [
-            (&parts.skin, region.skin()),
-            (&parts.margin, region.margin()),
-            (&parts.conjunctiva_mesh, region.conjunctiva()),
+            (&parts.skin, &meshes.skin),
+            (&parts.margin, &meshes.margin),
+            (&parts.conjunctiva_mesh, &meshes.conjunctiva),
         ] {
             let Some(mut mesh) = assets.meshes.get_mut(handle) else {
                 continue;
@@ -230,8 +231,7 @@ pub fn move_lids(
             let tissue = part
                 .of_list(region.tissue())
                 .zip(part.of_list(&parts.posed.light));
-            let tissue =
-                tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], light]);
+            let tissue = tissue.map(|(weights, light)| [weights[0], weights[1], weights[2], light]);
             let rest = part.of_list(region.rest()).map(|p| [p[0], p[1], p[2], 1.0]);
             fill_mesh(
                 &mut mesh,

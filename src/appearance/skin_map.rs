@@ -68,7 +68,10 @@ mod tests {
                     .fold(0.0, f32::max)
             });
             println!("{seed}: {largest:?}");
-            assert!(largest.into_iter().all(|number| number < RANGE), "{largest:?}");
+            assert!(
+                largest.into_iter().all(|number| number < RANGE),
+                "{largest:?}"
+            );
         }
     }
 

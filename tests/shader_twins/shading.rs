@@ -545,9 +545,7 @@ fn ribbon() {
         &Twin {
             name: "hair_ribbon",
             library: &["hair_shade"],
-            call: &format!(
-                "{VIEWS} let c = hair_ribbon(m, k, n, v, x[12]); {RGB_OUT}"
-            ),
+            call: &format!("{VIEWS} let c = hair_ribbon(m, k, n, v, x[12]); {RGB_OUT}"),
             draw: &|rng| {
                 let mut x: Vec<f32> = (0..3).map(|_| between(rng, -20.0, 20.0)).collect();
                 x.extend(unit(rng));

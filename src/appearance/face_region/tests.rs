@@ -65,20 +65,33 @@ fn posed(region: &EyeRegion, pose: &LidPose) -> PosedRegion {
 #[test]
 fn its_parts_are_all_of_it_and_dry_skin_is_nowhere_wet() {
     let region = EyeRegion::load().unwrap();
-    let parts = [region.skin(), region.margin(), region.conjunctiva()];
+    let finest = region.parts(0);
+    let parts = [&finest.skin, &finest.margin, &finest.conjunctiva];
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     for part in parts {
-        let corners = part.of_list(&(0..region.rest().len() as u32).collect::<Vec<_>>());
-        let corners: Vec<u32> = corners.collect();
         let own = part.indices.chunks_exact(3);
-        triangles.extend(own.map(|t| [t[0], t[1], t[2]].map(|place| corners[place as usize])));
+        triangles.extend(own.map(|t| [t[0], t[1], t[2]].map(|at| part.vertices[at as usize])));
     }
-    let mut all: Vec<[u32; 3]> = region.indices().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let mut all: Vec<[u32; 3]> = region
+        .indices()
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]])
+        .collect();
     triangles.sort_unstable();
     all.sort_unstable();
     assert_eq!(triangles, all);
-    assert!(region.skin().of_list(region.tissue()).all(|weights| weights[0] == 0.0));
-    assert!(region.margin().of_list(region.tissue()).any(|weights| weights[0] == 1.0));
+    assert!(
+        finest
+            .skin
+            .of_list(region.tissue())
+            .all(|weights| weights[0] == 0.0)
+    );
+    assert!(
+        finest
+            .margin
+            .of_list(region.tissue())
+            .any(|weights| weights[0] == 1.0)
+    );
 }
 
 #[test]
