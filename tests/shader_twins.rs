@@ -243,6 +243,7 @@ fn the_eyes_entry_files_bind_and_call() {
         functions,
         [
             "ambient",
+            "camera_from",
             "footprint_at",
             "fragment",
             "fragment",
@@ -259,8 +260,11 @@ fn the_eyes_entry_files_bind_and_call() {
             "mirror_eye",
             "mirrored",
             "shown",
+            "skin_tile",
             "sky_at",
+            "surface_at",
             "through_cornea",
+            "vertex",
             "vertex"
         ]
     );

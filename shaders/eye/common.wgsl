@@ -1,4 +1,4 @@
-// What the eye's materials share: the vertex stage. Entry files follow it; all that is computed stands
+// What the eye's materials share. Entry files follow it; all that is computed stands
 // in shaders/lib, the entry files bind, call and write.
 //
 // Spaces: local = millimetres with the globe's centre of rotation at the
@@ -25,18 +25,20 @@ struct Surface {
     @location(4) @interpolate(flat) camera: vec3<f32>,
 };
 
-@vertex
-fn vertex(in: VertexIn) -> Surface {
+// Where the camera stands in the local space.
+fn camera_from(instance: u32) -> vec3<f32> {
+    return (get_local_from_world(instance) * vec4(view.world_position, 1.0)).xyz;
+}
+
+// What the fragment stage gets of a vertex that stands at this place.
+fn surface_at(in: VertexIn, position: vec3<f32>, camera: vec3<f32>) -> Surface {
     var out: Surface;
-    out.camera = (get_local_from_world(in.instance) * vec4(view.world_position, 1.0)).xyz;
-    out.position = in.position;
-#ifdef RIBBON
-    out.position = hair_ribbon(in.position, in.tissue.xyz, in.normal, out.camera, in.rest.x);
-#endif
-    out.clip = mesh_position_local_to_clip(get_world_from_local(in.instance), vec4(out.position, 1.0));
+    out.clip = mesh_position_local_to_clip(get_world_from_local(in.instance), vec4(position, 1.0));
+    out.position = position;
     out.normal = in.normal;
     out.rest = in.rest.xyz;
     out.tissue = in.tissue;
+    out.camera = camera;
     return out;
 }
 

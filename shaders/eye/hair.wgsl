@@ -9,6 +9,14 @@ struct Hair {
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> hair: Hair;
 
+// Both edges of a ribbon stand on the hair's centre line: normal its chord, rest.x the half width, tissue.xyz its direction.
+@vertex
+fn vertex(in: VertexIn) -> Surface {
+    let camera = camera_from(in.instance);
+    let edge = hair_ribbon(in.position, in.tissue.xyz, in.normal, camera, in.rest.x);
+    return surface_at(in, edge, camera);
+}
+
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);

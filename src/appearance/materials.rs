@@ -19,7 +19,8 @@ use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey, MeshPipelineKey
 use bevy::prelude::AlphaMode;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::{
-    AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError, TextureFormat,
+    AsBindGroup, Face, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
+    TextureFormat,
 };
 use bevy::shader::{ShaderDefVal, ShaderRef};
 
@@ -380,10 +381,6 @@ fn specialize(
     defines: Vec<&'static str>,
     light: LightKey,
 ) -> Result<(), SpecializedMeshPipelineError> {
-    // A ribbon has no back.
-    if defines.contains(&RIBBON) {
-        descriptor.primitive.cull_mode = None;
-    }
     // A camera of high dynamic range is given radiance, and has its own way to the screen.
     let is_radiance = mesh_key.target_format() == TextureFormat::Rgba16Float;
     let radiance = is_radiance.then_some("RADIANCE");
@@ -401,7 +398,7 @@ fn specialize(
 }
 
 macro_rules! eye_material {
-    ($material:ty, $shader:expr, $alpha:expr, $define:expr, $light:expr) => {
+    ($material:ty, $shader:expr, $alpha:expr, $culled:expr, $define:expr, $light:expr) => {
         impl Material for $material {
             fn vertex_shader() -> ShaderRef {
                 $shader.into()
@@ -427,14 +424,13 @@ macro_rules! eye_material {
                 let define: fn(&MaterialPipelineKey<Self>) -> Vec<&'static str> = $define;
                 let light: fn(&MaterialPipelineKey<Self>) -> LightKey = $light;
                 let (defines, light) = (define(&key), light(&key));
+                descriptor.primitive.cull_mode = $culled;
                 specialize(descriptor, layout, key.mesh_key, defines, light)
             }
         }
     };
 }
 
-/// The define of what the vertex stage draws apart to a ribbon.
-const RIBBON: &str = "RIBBON";
 /// The define of what is wet.
 const WET: &str = "WET";
 
@@ -444,6 +440,7 @@ eye_material!(
     GlobeMaterial,
     shaders::GLOBE,
     AlphaMode::Mask(0.0),
+    Some(Face::Back),
     |key| {
         let key = &key.bind_group_data;
         let mut defines = match key.part {
@@ -479,6 +476,7 @@ eye_material!(
     SkinMaterial,
     shaders::SKIN,
     AlphaMode::Opaque,
+    Some(Face::Back),
     |key| if key.bind_group_data.wet {
         vec![WET]
     } else {
@@ -496,7 +494,9 @@ eye_material!(
     HairMaterial,
     shaders::HAIR,
     AlphaMode::Opaque,
-    |_| vec![RIBBON],
+    // A ribbon has no back.
+    None,
+    |_| vec![],
     |key| key.bind_group_data
 );
 impl From<&MeniscusMaterial> for LightKey {
@@ -509,6 +509,7 @@ eye_material!(
     MeniscusMaterial,
     shaders::MENISCUS,
     AlphaMode::Add,
+    Some(Face::Back),
     |_| vec![],
     |key| key.bind_group_data
 );

@@ -129,6 +129,7 @@ const VOXEL_INSERT: &str = include_str!("../../shaders/view/field/voxel_insert.w
 const RAYS: &str = include_str!("../../shaders/view/field/rays.wgsl");
 const MOVERS: &str = include_str!("../../shaders/view/field/movers.wgsl");
 const COMMON: &str = include_str!("../../shaders/eye/common.wgsl");
+const MESH: &str = include_str!("../../shaders/eye/mesh.wgsl");
 
 /// Every shader of the program.
 pub const SOURCES: &[Source] = &[
@@ -161,7 +162,7 @@ pub const SOURCES: &[Source] = &[
             "fundus",
             "output",
         ],
-        entry: &[COMMON, include_str!("../../shaders/eye/globe.wgsl")],
+        entry: &[COMMON, MESH, include_str!("../../shaders/eye/globe.wgsl")],
     },
     Source {
         handle: SKIN,
@@ -175,7 +176,7 @@ pub const SOURCES: &[Source] = &[
             "skin_shade",
             "output",
         ],
-        entry: &[COMMON, include_str!("../../shaders/eye/skin.wgsl")],
+        entry: &[COMMON, MESH, include_str!("../../shaders/eye/skin.wgsl")],
     },
     Source {
         handle: HAIR,
@@ -194,7 +195,11 @@ pub const SOURCES: &[Source] = &[
             "tear_reflection",
             "output",
         ],
-        entry: &[COMMON, include_str!("../../shaders/eye/meniscus.wgsl")],
+        entry: &[
+            COMMON,
+            MESH,
+            include_str!("../../shaders/eye/meniscus.wgsl"),
+        ],
     },
     Source {
         handle: CAPTURE_SCENE,
