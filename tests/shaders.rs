@@ -49,6 +49,9 @@ fn get_local_from_world(instance_index: u32) -> mat4x4<f32> {
 fn mesh_position_local_to_clip(world_from_local: mat4x4<f32>, vertex_position: vec4<f32>) -> vec4<f32> {
     return world_from_local * vertex_position;
 }
+fn get_tag(instance_index: u32) -> u32 {
+    return instance_index;
+}
 ",
     ),
 ];

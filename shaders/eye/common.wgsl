@@ -5,7 +5,7 @@
 // origin, y up, gaze along -z. The globe's mesh turns with gaze (its local
 // space is the eye frame); skin and lashes do not (theirs is the head frame).
 
-#import bevy_pbr::mesh_functions::{get_world_from_local, get_local_from_world, mesh_position_local_to_clip}
+#import bevy_pbr::mesh_functions::{get_world_from_local, get_local_from_world, mesh_position_local_to_clip, get_tag}
 #import bevy_pbr::mesh_view_bindings::view
 
 struct VertexIn {
@@ -23,6 +23,7 @@ struct Surface {
     @location(2) rest: vec3<f32>,
     @location(3) tissue: vec4<f32>,
     @location(4) @interpolate(flat) camera: vec3<f32>,
+    @location(5) @interpolate(flat) tag: u32,
 };
 
 // Where the camera stands in the local space.
@@ -39,6 +40,7 @@ fn surface_at(in: VertexIn, position: vec3<f32>, camera: vec3<f32>) -> Surface {
     out.rest = in.rest.xyz;
     out.tissue = in.tissue;
     out.camera = camera;
+    out.tag = get_tag(in.instance);
     return out;
 }
 

@@ -44,7 +44,6 @@ struct Globe {
     // Behind the apex.
     iris_depth_mm: f32,
     iris_root_mm: f32,
-    pupil_radius_mm: f32,
     limbus_mm: f32,
     pupil_center_mm: vec2<f32>,
     sclera_radius_mm: f32,
@@ -64,12 +63,8 @@ struct Globe {
     flesh: vec3<f32>,
     // Share of the white's light that deep vessels cannot dim.
     above_vessels: vec3<f32>,
-    // How many times as thick as in its map the iris is.
-    iris_thicken: f32,
     // Irradiance of the iris under an even sky at a place (`iris_sky_knot`), and at the next.
     iris_sky: array<vec4<f32>, 32>,
-    // How deep its furrows are.
-    iris_furrows: f32,
     // Apical radius and shape factor of the lens's front and back, the latter bulging into the eye.
     lens_front: vec2<f32>,
     lens_back: vec2<f32>,
@@ -110,6 +105,11 @@ struct Globe {
 @group(#{MATERIAL_BIND_GROUP}) @binding(7) var light_table: texture_2d<f32>;
 // In the same projection as the sclera's map. r: blood (mm) of conjunctival vessels, g: of deeper ones, b: height (mm).
 @group(#{MATERIAL_BIND_GROUP}) @binding(8) var vessel_map: texture_2d<f32>;
+
+#ifdef CORNEA
+// Radius (mm) of the hole in the iris, which the mesh's tag holds: it is never at rest, and a material that changes is bound anew.
+var<private> pupil_radius_mm: f32;
+#endif
 
 fn head_from_eye() -> mat3x3f {
     return mat3x3f(globe.head_from_eye[0].xyz, globe.head_from_eye[1].xyz, globe.head_from_eye[2].xyz);
@@ -181,7 +181,7 @@ fn fundus_light(place: vec2f, direction: vec3f, shade: LidShade) -> vec3f {
     for (var i = 0; i < LAMPS; i++) {
         let lamp = lamp_at(i, head_from_eye() * middle);
         let passes = lid_lamp(shade, lamp.direction, lamp.radius);
-        sum += lamp.color * (passes * fundus_reflex(lamp.direction * head_from_eye(), lamp.radius, lamp.hole, lamp.vergence, -direction, off, globe.focus, globe.pupil_radius_mm * globe.pupil_magnification));
+        sum += lamp.color * (passes * fundus_reflex(lamp.direction * head_from_eye(), lamp.radius, lamp.hole, lamp.vergence, -direction, off, globe.focus, pupil_radius_mm * globe.pupil_magnification));
     }
     return sum;
 }
@@ -199,7 +199,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     if trace.valid < 0.5 {
         return IRIS_ANGLE_COLOR * ambient(-head_from_eye()[2]) * shade.sky;
     }
-    let iris = IrisFrame(globe.iris_root_mm, globe.pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, globe.iris_thicken, globe.iris_furrows);
+    let iris = IrisFrame(globe.iris_root_mm, pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, thicken(pupil_radius_mm, globe.iris_root_mm), furrow_depth(pupil_radius_mm));
     let at = trace.point.xy / size;
     let place = iris_place(at, iris);
     let surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
@@ -245,8 +245,8 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     if edge < 1.0 {
         // The fundus, before which the light has come in through the cornea too, and the lens's surfaces.
         behind += fundus_light(trace.point.xy, direction, before) * globe.fundus * trace.transmittance * crosses;
-        behind += inner_image(mirror_lens_front(trace.point, trace.direction, eye), globe.pupil_radius_mm, THIRD_IMAGE_BLUR);
-        behind += crosses * inner_image(mirror_lens_back(trace.point, trace.direction, eye), globe.pupil_radius_mm, FOURTH_IMAGE_BLUR);
+        behind += inner_image(mirror_lens_front(trace.point, trace.direction, eye), pupil_radius_mm, THIRD_IMAGE_BLUR);
+        behind += crosses * inner_image(mirror_lens_back(trace.point, trace.direction, eye), pupil_radius_mm, FOURTH_IMAGE_BLUR);
     }
     let inside = iris_and_pupil(behind, lit, light, edge, place.uv.y);
     return (inside + second) * trace.transmittance;
@@ -258,6 +258,9 @@ const WHITE_ROUGHNESS: f32 = 0.24;
 
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
+#ifdef CORNEA
+    pupil_radius_mm = bitcast<f32>(in.tag);
+#endif
     var camera = in.camera;
     var p = in.position;
     var normal = normalize(in.normal);

@@ -5,6 +5,26 @@
 // times as thick as in the map the stroma is (it keeps its volume), and how deep its furrows are (1 as in the map).
 struct IrisFrame { root: f32, pupil: f32, limbus: f32, relief: f32, center: vec2f, thicken: f32, furrows: f32 };
 
+// Radii (mm) of the pupil for which the map is made, of its root, and of the pupil at which the iris is stretched flat.
+const DESIGN_PUPIL_RADIUS_MM: f32 = 1.75;
+const ROOT_RADIUS_MM: f32 = 5.85;
+const FLAT_PUPIL_RADIUS_MM: f32 = 0.75;
+
+// How many times as thick as in its map the stroma is at a pupil of this radius (mm): it keeps its volume.
+fn thicken(pupil_radius: f32, root_radius: f32) -> f32 {
+    let root = max(root_radius, 1.0);
+    let pupil = clamp(pupil_radius, 0.0, root - 0.5);
+    let design = min(DESIGN_PUPIL_RADIUS_MM, root - 0.5);
+    return (root * root - design * design) / (root * root - pupil * pupil);
+}
+
+// How deep the furrows are at a pupil of this radius (mm) against the map's: a fold of a given length along the surface deepens with
+// the root of what it is shortened by.
+fn furrow_depth(pupil_radius: f32) -> f32 {
+    let shortened = clamp((pupil_radius - FLAT_PUPIL_RADIUS_MM) / (ROOT_RADIUS_MM - FLAT_PUPIL_RADIUS_MM), 0.0, 1.0);
+    return sqrt(shortened * ((ROOT_RADIUS_MM - FLAT_PUPIL_RADIUS_MM) / (DESIGN_PUPIL_RADIUS_MM - FLAT_PUPIL_RADIUS_MM)));
+}
+
 struct IrisTexel { height: f32, thickness: f32, melanin: f32 };
 
 // Place in the iris map: u the angle, v from the pupil's edge to the root, and how both change

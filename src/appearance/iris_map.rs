@@ -272,29 +272,6 @@ pub fn mean_thickness_mm(v: f32) -> f32 {
     lerp(start.1, end.1, 0.5 * t + 0.5 * smoothstep(0.0, 1.0, t))
 }
 
-/// How many times as thick as in its map the stroma is at a pupil of this radius, mm: it keeps its volume.
-#[must_use]
-pub fn thicken(pupil_radius_mm: f64, root_radius_mm: f64) -> f64 {
-    let root = root_radius_mm.max(1.0);
-    let area = |pupil: f64| root * root - pupil * pupil;
-    let pupil = pupil_radius_mm.clamp(0.0, root - 0.5);
-    area(f64::from(DESIGN_PUPIL_RADIUS_MM).min(root - 0.5)) / area(pupil)
-}
-
-/// Pupil radius at which the iris is stretched flat and its furrows are gone, mm.
-const FLAT_PUPIL_RADIUS_MM: f64 = 0.75;
-
-/// How deep the furrows are at a pupil of this radius, mm, against the map's: a fold of a given length along the surface
-/// deepens with the root of what it is shortened by.
-#[must_use]
-pub fn furrow_depth(pupil_radius_mm: f64) -> f64 {
-    let shortened = |pupil: f64| {
-        let flat = f64::from(ROOT_RADIUS_MM) - FLAT_PUPIL_RADIUS_MM;
-        ((pupil - FLAT_PUPIL_RADIUS_MM) / flat).clamp(0.0, 1.0)
-    };
-    (shortened(pupil_radius_mm) / shortened(f64::from(DESIGN_PUPIL_RADIUS_MM))).sqrt()
-}
-
 /// Local radius, mm, at radial fraction `v` of the design pupil.
 fn radius_mm(v: f32) -> f32 {
     DESIGN_PUPIL_RADIUS_MM + DESIGN_WIDTH_MM * v

@@ -81,8 +81,6 @@ pub struct GlobeUniform {
     pub iris_depth_mm: f32,
     /// Radius of its root.
     pub iris_root_mm: f32,
-    /// Radius of the hole in it.
-    pub pupil_radius_mm: f32,
     /// Radius of the limbus.
     pub limbus_mm: f32,
     /// Middle of the pupil.
@@ -109,12 +107,8 @@ pub struct GlobeUniform {
     pub flesh: Vec3,
     /// Share of the white's light that deep vessels cannot dim, linear sRGB.
     pub above_vessels: Vec3,
-    /// How many times as thick as in its map the iris is.
-    pub iris_thicken: f32,
     /// Irradiance of the iris under an even sky at a place ([`super::light_table::iris_sky_knot`]), and at the next.
     pub iris_sky: [Vec4; SKY_RADII],
-    /// How deep its furrows are against the map's.
-    pub iris_furrows: f32,
     /// Apical radius and shape factor of the lens's front.
     pub lens_front: Vec2,
     /// Those of its back, which bulges into the eye.

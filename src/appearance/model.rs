@@ -8,6 +8,7 @@ use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
 use super::illumination::Illumination;
+use super::iris_map::DESIGN_PUPIL_RADIUS_MM;
 use super::lashes::Lashes;
 use super::light_table::{LightTableSettings, LightTableSize};
 use super::lighting::Lit;
@@ -16,6 +17,7 @@ use super::materials::{
     MeniscusUniform, SkinMaterial, SkinUniform,
 };
 use super::mesh_fill::{brow_mesh, empty_mesh};
+use super::pose::pupil_tag;
 use super::studio::Studio;
 use super::surroundings::Surroundings;
 use super::tissue_maps::{
@@ -469,7 +471,7 @@ impl Builder<'_, '_, '_, '_> {
                 illumination,
                 around: around.clone(),
             });
-            let entity = self.commands.spawn((
+            let mut entity = self.commands.spawn((
                 EyePart,
                 ChildOf(self.model),
                 Mesh3d(self.assets.meshes.add(mesh)),
@@ -477,6 +479,10 @@ impl Builder<'_, '_, '_, '_> {
                 Transform::from_scale(Vec3::splat(METRES_A_MM)),
                 self.layers.clone(),
             ));
+            if part.is_corneal() {
+                // Until the first pose an iris of the map's own pupil.
+                entity.insert(pupil_tag(DESIGN_PUPIL_RADIUS_MM));
+            }
             parts.globe.push((entity.id(), material));
         }
         let material = self.assets.globes.add(GlobeMaterial {

@@ -1,7 +1,6 @@
 //! Eyes in the world follow their owners: globe and pupil, lids, lashes and tears.
 
 use super::face_region::LidPose;
-use super::iris_map::{furrow_depth, thicken};
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_margins};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
@@ -13,6 +12,7 @@ use crate::frame::ledger::WorkLedger;
 use crate::optics::defocus::PowerVector;
 use crate::optics::lens_mirror::LensShape;
 use bevy::math::DVec3;
+use bevy::mesh::MeshTag;
 use bevy::prelude::*;
 
 /// What of an eye moves its globe.
@@ -28,6 +28,7 @@ pub fn move_eyes(
     eyes: Query<Turning>,
     mut models: Query<(&mut EyeParts, &Visibility)>,
     mut transforms: Query<&mut Transform>,
+    mut tags: Query<&mut MeshTag>,
     mut assets: EyeAssets,
 ) {
     for (mut parts, visibility) in &mut models {
@@ -47,29 +48,34 @@ pub fn move_eyes(
         let turned = parts.head_from_eye.replace(rotation) != Some(rotation);
         parts.pupil_radius_mm = radius;
         let nasal = -side(eye.laterality);
-        for (entity, material) in &parts.globe {
-            let part = assets.globes.get(material).map(|material| material.part);
-            // No pupil is seen through a sclera.
-            if !part.is_some_and(GlobePart::is_corneal) && !turned {
-                continue;
+        for (entity, _) in &parts.globe {
+            if let Ok(mut tag) = tags.get_mut(*entity) {
+                *tag = pupil_tag(radius);
             }
-            if part != Some(GlobePart::Conjunctiva)
+        }
+        if !turned {
+            continue;
+        }
+        for (entity, material) in &parts.globe {
+            let Some(mut material) = assets.globes.get_mut(material) else {
+                continue;
+            };
+            material.globe.head_from_eye = Mat4::from_quat(rotation);
+            let [nasally, up] = iris.0.pupil_decentration_mm.map(|mm| mm as f32);
+            material.globe.pupil_center_mm = Vec2::new(nasal * nasally, up);
+            if material.part != GlobePart::Conjunctiva
                 && let Ok(mut transform) = transforms.get_mut(*entity)
             {
                 *transform =
                     Transform::from_rotation(rotation).with_scale(Vec3::splat(METRES_A_MM));
             }
-            if let Some(mut material) = assets.globes.get_mut(material) {
-                material.globe.head_from_eye = Mat4::from_quat(rotation);
-                material.globe.pupil_radius_mm = radius;
-                material.globe.iris_thicken =
-                    thicken(f64::from(radius), f64::from(material.globe.iris_root_mm)) as f32;
-                material.globe.iris_furrows = furrow_depth(f64::from(radius)) as f32;
-                let [nasally, up] = iris.0.pupil_decentration_mm.map(|mm| mm as f32);
-                material.globe.pupil_center_mm = Vec2::new(nasal * nasally, up);
-            }
         }
     }
+}
+
+/// What the mesh of a cornea carries of the pupil behind it: a tag changes without its material being bound anew.
+pub fn pupil_tag(radius_mm: f32) -> MeshTag {
+    MeshTag(radius_mm.to_bits())
 }
 
 /// Clouds the lenses, where their media have changed.

@@ -207,7 +207,6 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         apex_mm: shape.apex_distance_mm() as f32,
         iris_depth_mm: iris.depth_mm as f32,
         iris_root_mm: iris.root_radius_mm as f32,
-        pupil_radius_mm: 2.0,
         limbus_mm: cornea.limbus_radius_mm as f32,
         sclera_radius_mm: eye.scleral_radius_mm as f32,
         lipid_nm: cornea.lipid_thickness_nm as f32,

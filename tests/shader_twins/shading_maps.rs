@@ -251,6 +251,31 @@ fn places_of_the_iris() {
     );
 }
 
+#[test]
+fn the_iris_by_its_pupil() {
+    pass_unless_off(
+        &Twin {
+            name: "thicken",
+            library: &["iris_relief"],
+            call: "y[0] = thicken(x[0], x[1]); y[1] = furrow_depth(x[0]);",
+            draw: &|rng| vec![between(rng, 0.0, 5.0), between(rng, 5.0, 6.6)],
+            exact: &|x| {
+                vec![
+                    iris_relief::thicken(x[0], x[1]),
+                    iris_relief::furrow_depth(x[0]),
+                ]
+            },
+            // A root's slope is unbounded where furrows begin; what is left of the iris is at least 4 of its 44 mm².
+            absolute: 1e-5,
+            relative: 2e-6,
+            steep_share: 0.001,
+        },
+        &[],
+        0,
+        0.01,
+    );
+}
+
 /// The iris, a ray inside the eye, a light, a footprint and a level.
 fn draw_march(rng: &mut Pcg64) -> Vec<f32> {
     let mut x = draw_iris(rng);

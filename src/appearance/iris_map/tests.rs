@@ -213,20 +213,6 @@ fn the_ruff_is_a_tenth_of_a_millimetre_and_black() {
 }
 
 #[test]
-fn an_iris_keeps_its_volume_and_folds_as_the_pupil_opens() {
-    let design = f64::from(DESIGN_PUPIL_RADIUS_MM);
-    assert!((thicken(design, 6.05) - 1.0).abs() < 1e-12);
-    // (6.05² − 1.75²)/(6.05² − 4²) by hand.
-    assert!((thicken(4.0, 6.05) - 33.54 / 20.6025).abs() < 1e-4);
-    assert!((furrow_depth(design) - 1.0).abs() < 1e-12);
-    assert_eq!(furrow_depth(0.7), 0.0);
-    assert!((1.7..2.0).contains(&furrow_depth(4.0)));
-    for wild in [-1.0, 100.0] {
-        assert!(thicken(wild, 6.0).is_finite() && furrow_depth(wild).is_finite());
-    }
-}
-
-#[test]
 fn heterochromia_gathers_pigment_at_the_collarette() {
     let contrast = |amount: f32| {
         let map = map(&IrisMapSettings {

@@ -3,6 +3,7 @@
 
 use super::mix;
 use crate::appearance::images::MapView;
+use crate::appearance::iris_map::{DESIGN_PUPIL_RADIUS_MM, ROOT_RADIUS_MM};
 use core::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
@@ -30,6 +31,27 @@ impl IrisFrame {
     pub fn width(&self) -> f64 {
         (self.root - self.pupil).max(0.5)
     }
+}
+
+/// How many times as thick as in its map the stroma is at a pupil of this radius, mm: it keeps its volume.
+pub fn thicken(pupil_radius_mm: f64, root_radius_mm: f64) -> f64 {
+    let root = root_radius_mm.max(1.0);
+    let area = |pupil: f64| root * root - pupil * pupil;
+    let pupil = pupil_radius_mm.clamp(0.0, root - 0.5);
+    area(f64::from(DESIGN_PUPIL_RADIUS_MM).min(root - 0.5)) / area(pupil)
+}
+
+/// Pupil radius at which the iris is stretched flat and its furrows are gone, mm.
+const FLAT_PUPIL_RADIUS_MM: f64 = 0.75;
+
+/// How deep the furrows are at a pupil of this radius, mm, against the map's: a fold of a given length along the surface
+/// deepens with the root of what it is shortened by.
+pub fn furrow_depth(pupil_radius_mm: f64) -> f64 {
+    let shortened = |pupil: f64| {
+        let flat = f64::from(ROOT_RADIUS_MM) - FLAT_PUPIL_RADIUS_MM;
+        ((pupil - FLAT_PUPIL_RADIUS_MM) / flat).clamp(0.0, 1.0)
+    };
+    (shortened(pupil_radius_mm) / shortened(f64::from(DESIGN_PUPIL_RADIUS_MM))).sqrt()
 }
 
 /// A reading of the iris map.
@@ -177,4 +199,23 @@ pub fn relief_way(
     let second = first * (deep / (deep - there).max(0.25 * deep)).clamp(0.3, 4.0);
     let left = under - up * second + height(second);
     (second + left / up).max(0.3 * first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_iris_keeps_its_volume_and_folds_as_the_pupil_opens() {
+        let design = f64::from(DESIGN_PUPIL_RADIUS_MM);
+        assert!((thicken(design, 6.05) - 1.0).abs() < 1e-12);
+        // (6.05² − 1.75²)/(6.05² − 4²) by hand.
+        assert!((thicken(4.0, 6.05) - 33.54 / 20.6025).abs() < 1e-4);
+        assert!((furrow_depth(design) - 1.0).abs() < 1e-12);
+        assert_eq!(furrow_depth(0.7), 0.0);
+        assert!((1.7..2.0).contains(&furrow_depth(4.0)));
+        for wild in [-1.0, 100.0] {
+            assert!(thicken(wild, 6.0).is_finite() && furrow_depth(wild).is_finite());
+        }
+    }
 }

@@ -6,7 +6,9 @@ use crate::appearance::images::MapView;
 use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
-use crate::appearance::shading::iris_relief::{IrisFrame, IrisPlace, iris_place};
+use crate::appearance::shading::iris_relief::{
+    IrisFrame, IrisPlace, furrow_depth, iris_place, thicken,
+};
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
@@ -25,6 +27,7 @@ use crate::optics::snell::snell_refract;
 use crate::tissue::iris_reflectance::IrisTissue;
 use bevy::camera::Projection;
 use bevy::math::{DMat3, DVec2, DVec3, DVec4, UVec2};
+use bevy::mesh::MeshTag;
 use bevy::prelude::*;
 
 /// How far (rad) the cornea and its back spread what they mirror (`CORNEA`'s and `SECOND_IMAGE_BLUR` of `shaders/eye/globe.wgsl`).
@@ -70,13 +73,16 @@ impl IrisPicture {
         let missing = || HeadlessError::ReadBack("there is no eye yet".into());
         let camera = headless.stage().eye;
         let world = headless.world();
-        let mut globes = world.query::<(&MeshMaterial3d<GlobeMaterial>, &GlobalTransform)>();
+        let mut globes =
+            world.query::<(&MeshMaterial3d<GlobeMaterial>, &GlobalTransform, &MeshTag)>();
         let materials = world.resource::<Assets<GlobeMaterial>>();
-        let cornea = globes.iter(world).find_map(|(material, place)| {
+        let cornea = globes.iter(world).find_map(|(material, place, tag)| {
             let material = materials.get(&material.0)?;
-            (material.part == GlobePart::Cornea).then(|| (material.clone(), *place))
+            (material.part == GlobePart::Cornea)
+                .then(|| (material.clone(), *place, f32::from_bits(tag.0)))
         });
-        let (material, place) = cornea.ok_or_else(missing)?;
+        let (material, place, pupil_mm) = cornea.ok_or_else(missing)?;
+        let pupil = f64::from(pupil_mm);
         let half_field = match world.get::<Projection>(camera) {
             Some(Projection::Perspective(own)) => (0.5 * f64::from(own.fov)).tan(),
             _ => return Err(missing()),
@@ -105,12 +111,12 @@ impl IrisPicture {
             },
             frame: IrisFrame {
                 root: f64::from(globe.iris_root_mm),
-                pupil: f64::from(globe.pupil_radius_mm),
+                pupil,
                 limbus: f64::from(globe.limbus_mm),
                 relief: f64::from(globe.relief),
                 center: globe.pupil_center_mm.as_dvec2(),
-                thicken: f64::from(globe.iris_thicken),
-                furrows: f64::from(globe.iris_furrows),
+                thicken: thicken(pupil, f64::from(globe.iris_root_mm)),
+                furrows: furrow_depth(pupil),
             },
             maps,
             illumination: material.illumination,
