@@ -13,8 +13,12 @@ struct Hair {
 @vertex
 fn vertex(in: VertexIn) -> Surface {
     let camera = camera_from(in.instance);
-    let edge = hair_ribbon(in.position, in.tissue.xyz, in.normal, camera, in.rest.x);
-    return surface_at(in, edge, camera);
+    let drawn = hair_drawn(in.rest.x, footprint_at(distance(in.position, camera)));
+    let edge = hair_ribbon(in.position, in.tissue.xyz, in.normal, camera, drawn);
+    var out = surface_at(in, edge, camera);
+    // The fragment stage gets how wide the hair is, and how far aside of its middle it stands.
+    out.rest = vec3(abs(in.rest.x), drawn, 0.0);
+    return out;
 }
 
 @fragment
@@ -28,5 +32,6 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let lamp = lamp_at(i, in.position);
         radiance += lamp.color * hair_lamp(color, along, v, lamp.direction);
     }
-    return vec4(shown(radiance), 1.0);
+    let pixel = footprint_at(distance(in.camera, in.position));
+    return vec4(shown(radiance), hair_coverage(in.rest.x, pixel, in.rest.y));
 }

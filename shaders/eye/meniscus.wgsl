@@ -12,7 +12,8 @@ struct Meniscus {
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
     let n = normalize(in.normal);
-    let around = mirrored(in.position, reflect(-v, n), 0.05);
+    let blur = meniscus_blur(footprint_at(distance(in.camera, in.position)));
+    let around = mirrored(in.position, reflect(-v, n), blur);
     let radiance = meniscus_reflection(around, n, v) * meniscus.strength;
     // Added in display space, so keep the tone curve's small-signal slope of one.
     return vec4(shown(radiance), 0.0);

@@ -28,3 +28,16 @@ fn hair_ribbon(center: vec3f, along: vec3f, chord: vec3f, camera: vec3f, half_wi
     let turned = select(-1.0, 1.0, dot(aside, cross(chord, v)) >= 0.0);
     return center + aside * (turned * half_width / max(length(aside), 1e-4));
 }
+
+// Half width of the ribbon that draws a hair of this half width (same units as a pixel, same sign), so wide that no pixel's
+// centre misses it.
+fn hair_drawn(half_width: f32, pixel: f32) -> f32 {
+    return sign(half_width) * max(abs(half_width) + 0.5 * pixel, pixel);
+}
+
+// Share of a pixel that a hair of this half width covers this far aside of its middle; over the ribbon's width as much as the hair is
+// wide.
+fn hair_coverage(half_width: f32, pixel: f32, aside: f32) -> f32 {
+    let w = abs(half_width) / pixel;
+    return clamp(max(w + 0.5, 1.0) - abs(aside) / pixel, 0.0, 1.0) * min(2.0 * w, 1.0);
+}

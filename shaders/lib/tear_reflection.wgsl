@@ -21,3 +21,12 @@ fn tear_reflection(mirrored: vec3f, lid_light: vec3f, n: vec3f, v: vec3f, lipid_
 fn meniscus_reflection(mirrored: vec3f, n: vec3f, v: vec3f) -> vec3f {
     return mirrored * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
 }
+
+// How far (rad) the meniscus spreads what it mirrors into a pixel of this footprint (mm): its surface turns by the footprint over its
+// radius of curvature, and what it mirrors by twice that; half of it to either side.
+fn meniscus_blur(footprint: f32) -> f32 {
+    return max(0.05, footprint / MENISCUS_RADIUS_MM);
+}
+
+// Of the meniscus's concave surface (0.365 ± 0.153 mm in normal eyes: Yokoi et al. 1999, Br J Ophthalmol 83:92).
+const MENISCUS_RADIUS_MM: f32 = 0.365;

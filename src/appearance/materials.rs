@@ -487,7 +487,8 @@ impl From<&HairMaterial> for LightKey {
 eye_material!(
     HairMaterial,
     shaders::HAIR,
-    AlphaMode::Opaque,
+    // Its edges cover shares of pixels.
+    AlphaMode::Blend,
     // A ribbon has no back.
     None,
     |_| vec![],

@@ -52,3 +52,38 @@ pub fn one_clause(error: &dyn std::fmt::Display) -> String {
     }
     quoted.trim_end_matches(['.', ';', ' ']).to_owned()
 }
+
+/// The name that is most like another, if one is.
+pub fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+    let found = found.to_lowercase();
+    let alike = |name: &&str| strsim::jaro_winkler(&found, name);
+    let best = known
+        .iter()
+        .copied()
+        .max_by(|a, b| alike(a).total_cmp(&alike(b)))?;
+    (alike(&best) > 0.86).then_some(best)
+}
+
+/// `; did you mean NAME?`, where one of the known names is like the found one.
+pub fn did_you_mean(found: &str, known: &[&str]) -> String {
+    nearest(found, known).map_or_else(String::new, |name| format!("; did you mean {name}?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_asked_for_that_is_like_what_was_found() {
+        let known = ["healthy-blue", "healthy-brown", "glaucoma-early"];
+        assert_eq!(nearest("helthy-blue", &known), Some("healthy-blue"));
+        assert_eq!(nearest("Healthy_Brown", &known), Some("healthy-brown"));
+        assert_eq!(nearest("zzz", &known), None);
+        assert_eq!(nearest("", &known), None);
+        assert_eq!(
+            did_you_mean("glaucoma", &known),
+            "; did you mean glaucoma-early?"
+        );
+        assert_eq!(did_you_mean("xyz", &[]), "");
+    }
+}

@@ -9,7 +9,7 @@ mod faults;
 use super::file::{FIELDS, Field, PatientFile};
 use crate::anatomy::Laterality;
 use crate::input_file::notation;
-use crate::input_file::{one_clause, read_input_file};
+use crate::input_file::{did_you_mean, one_clause, read_input_file};
 use crate::optics::conicoid::conicoid_sag;
 use crate::optics::globe::GlobeShape;
 use std::path::Path;
@@ -18,10 +18,12 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 pub enum PatientError {
     /// The name is neither built in nor a file.
-    #[error("unknown patient {name:?}: it is neither a file nor one of {known}")]
+    #[error("unknown patient {name:?}: it is neither a file nor one of {known}{meant}")]
     Unknown {
         /// What was asked for.
         name: String,
+        /// A question for the name that it is like, or nothing.
+        meant: String,
         /// The built-in names.
         known: String,
     },
@@ -372,13 +374,11 @@ pub fn load_patient(name_or_path: impl AsRef<Path>) -> Result<PatientFile, Patie
             .map_err(|_| unreadable("it is not UTF-8 text, so not a patient file".into()))?;
         return parse_patient(&text, &shown);
     }
+    let known: Vec<&str> = super::PRESETS.iter().map(|preset| preset.name).collect();
     Err(PatientError::Unknown {
+        meant: did_you_mean(&shown, &known),
         name: shown,
-        known: super::PRESETS
-            .iter()
-            .map(|preset| preset.name)
-            .collect::<Vec<_>>()
-            .join(", "),
+        known: known.join(", "),
     })
 }
 

@@ -9,6 +9,7 @@ use super::photo::{PhotoOptions, PhotoScene, read_file, read_named_file};
 use super::picture_file::{READABLE, foreign_format};
 use super::pictures::{check_extent, load_pictures, pictures_in};
 use super::room;
+use crate::input_file::did_you_mean;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -195,7 +196,12 @@ impl SceneSource {
         }
         if !path.exists() && path.extension().is_none() && path.components().count() <= 1 {
             let known: Vec<&str> = BuiltIn::ALL.into_iter().map(BuiltIn::name).collect();
+            let end = match did_you_mean(&shown, &known) {
+                none if none.is_empty() => ".".to_owned(),
+                question => question,
+            };
             return Err(SceneError::Unknown {
+                end,
                 name: shown,
                 known: known.join(", "),
             });

@@ -419,11 +419,13 @@ pub enum SceneError {
     },
     /// Neither a built-in scene nor a file.
     #[error(
-        "There is no scene \"{name}\"; the built-in ones are {known}, and a file can be given instead: a glTF model (.gltf, .glb) or a photograph (.png, .jpg, .webp, .gif, .tif, .bmp), or a folder of pictures that follow one another."
+        "There is no scene \"{name}\"; the built-in ones are {known}, and a file can be given instead: a glTF model (.gltf, .glb) or a photograph (.png, .jpg, .webp, .gif, .tif, .bmp), or a folder of pictures that follow one another{end}"
     )]
     Unknown {
         /// What was asked for.
         name: String,
+        /// A full stop, or a question for the name that it is like.
+        end: String,
         /// The names that exist.
         known: String,
     },

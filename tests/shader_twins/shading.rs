@@ -482,14 +482,14 @@ fn tears() {
         &Twin {
             name: "meniscus_reflection",
             library: &["tear_reflection"],
-            call: &format!("{VIEWS} let c = meniscus_reflection(m, n, v); {RGB_OUT}"),
+            call: &format!(
+                "{VIEWS} let c = meniscus_reflection(m, n, v) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
+            ),
             draw: &draw_mirror,
             exact: &|x| {
-                rgb(tear_reflection::meniscus_reflection(
-                    v3(x),
-                    v3(&x[6..]),
-                    v3(&x[9..]),
-                ))
+                let radiance =
+                    tear_reflection::meniscus_reflection(v3(x), v3(&x[6..]), v3(&x[9..]));
+                rgb(radiance * tear_reflection::meniscus_blur(0.01 * x[12]))
             },
             absolute: 2e-6,
             relative: 1e-5,
@@ -574,6 +574,37 @@ fn ribbon() {
         1e-3,
     );
 }
+#[test]
+fn coverage() {
+    pass_unless_off(
+        &Twin {
+            name: "hair_coverage",
+            library: &["hair_shade"],
+            call: "y[0] = hair_coverage(x[0], x[1], x[2]); y[1] = hair_drawn(x[0], x[1]);",
+            draw: &|rng| {
+                vec![
+                    between(rng, -0.1, 0.1),
+                    between(rng, 0.01, 0.5),
+                    between(rng, -0.5, 0.5),
+                ]
+            },
+            exact: &|x| {
+                vec![
+                    hair_shade::hair_coverage(x[0], x[1], x[2]),
+                    hair_shade::hair_drawn(x[0], x[1]),
+                ]
+            },
+            // Differences of quotients up to 60.
+            absolute: 1e-5,
+            relative: 1e-6,
+            steep_share: 0.001,
+        },
+        &[],
+        1,
+        1e-3,
+    );
+}
+
 /// Any shade that lids can make.
 pub fn draw_shade(rng: &mut Pcg64) -> [f32; 4] {
     [

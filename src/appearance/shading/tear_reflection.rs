@@ -37,3 +37,12 @@ pub fn meniscus_reflection(mirrored: DVec3, n: DVec3, v: DVec3) -> DVec3 {
 pub(super) fn reflected(v: DVec3, n: DVec3) -> DVec3 {
     2.0 * n.dot(v) * n - v
 }
+
+/// Radius of the meniscus's concave surface, mm (0.365 ± 0.153 in normal eyes: Yokoi et al. 1999, Br J Ophthalmol 83:92).
+const MENISCUS_RADIUS_MM: f64 = 0.365;
+
+/// How far (rad) the meniscus spreads what it mirrors into a pixel of this footprint (mm): its surface turns by the footprint over its
+/// radius of curvature, and what it mirrors by twice that; half of it to either side.
+pub fn meniscus_blur(footprint: f64) -> f64 {
+    (footprint / MENISCUS_RADIUS_MM).max(0.05)
+}

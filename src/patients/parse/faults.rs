@@ -2,6 +2,7 @@
 
 use super::super::file::{CONDITIONS, FIELDS, WORDS, condition_ranges};
 use super::{PatientError, pair_of};
+use crate::input_file::nearest;
 use crate::input_file::notation::{Fault, FaultKind, one_of};
 
 /// A fault of the notation, in a user's words.
@@ -76,16 +77,6 @@ pub(super) fn of_fault(fault: Fault, file: &str) -> PatientError {
             ),
         },
     }
-}
-
-/// The name that is most like another, if one is.
-fn nearest(found: &str, known: &'static [&'static str]) -> Option<&'static str> {
-    let alike = |name: &&str| strsim::jaro_winkler(&found.to_lowercase(), name);
-    let best = known
-        .iter()
-        .copied()
-        .max_by(|a, b| alike(a).total_cmp(&alike(b)))?;
-    (alike(&best) > 0.86).then_some(best)
 }
 
 /// What may stand in a field, by its path without the eye; `None` where there is no such field.
