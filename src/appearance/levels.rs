@@ -27,9 +27,9 @@ pub fn choose_levels(
 ) {
     for (mut parts, place, layers) in &mut models {
         let layers = layers.cloned().unwrap_or_default();
-        let millimetre = METRES_A_MM * place.scale().max_element();
+        let millimetre = METRES_A_MM * place.scale().abs().max_element();
         let pixels = cameras.iter().filter_map(|(camera, from, sees)| {
-            let size = camera.physical_target_size()?;
+            let size = camera.physical_viewport_size()?;
             if !sees.cloned().unwrap_or_default().intersects(&layers) {
                 return None;
             }
