@@ -51,16 +51,12 @@ impl Brow {
         };
         let weight = |v: u32| region.tissue().get(v as usize).map_or(0.0, |t| t[3]);
         let shares: Vec<([u32; 3], f32)> = region
-            .indices()
-            .chunks_exact(3)
+            .triangles()
             .map(|t| {
                 let area = (rest(t[1]) - rest(t[0]))
                     .cross(rest(t[2]) - rest(t[0]))
                     .length();
-                (
-                    [t[0], t[1], t[2]],
-                    area * t.iter().map(|&v| weight(v)).sum::<f32>(),
-                )
+                (t, area * t.iter().map(|&v| weight(v)).sum::<f32>())
             })
             .filter(|(_, share)| *share > 0.0)
             .collect();

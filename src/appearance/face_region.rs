@@ -29,7 +29,8 @@ pub const MARGIN_POINTS: usize = 33;
 pub struct EyeRegion {
     cage: Cage,
     fissure: Fissure,
-    indices: Vec<u32>,
+    quads: Vec<[u32; 4]>,
+    meniscus_quads: Vec<[u32; 4]>,
     meniscus_indices: Vec<u32>,
     tissue: Vec<[f32; 4]>,
     rest: Vec<[f32; 3]>,
@@ -69,18 +70,21 @@ impl EyeRegion {
     pub fn load() -> Result<Self, FaceError> {
         let cage = Cage::load()?;
         let mut region = Self {
-            indices: Vec::new(),
-            meniscus_indices: meniscus_indices(),
+            quads: Vec::new(),
+            meniscus_quads: meniscus_quads(),
+            meniscus_indices: triangles(&meniscus_quads()).flatten().collect(),
             tissue: Vec::new(),
             rest: Vec::new(),
             parts: Default::default(),
             fissure: Fissure::default(),
             cage,
         };
-        region.indices = region.triangles(0).concat();
+        region.quads = region.quads_of(0).concat();
         region.tissue = region.tissue_weights();
         region.parts = std::array::from_fn(|level| {
-            let [face, corners] = region.triangles(level);
+            let [face, corners] = region
+                .quads_of(level)
+                .map(|quads| triangles(&quads).collect::<Vec<_>>());
             let wet = |vertex: u32| region.tissue[vertex as usize][0] > 0.0;
             RegionParts::new(&face, &corners, wet)
         });
@@ -94,9 +98,9 @@ impl EyeRegion {
         Ok(region)
     }
 
-    /// Triangles, counter-clockwise from outside.
-    pub fn indices(&self) -> &[u32] {
-        &self.indices
+    /// Its triangles as finely divided as it is, counter-clockwise from outside.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        triangles(&self.quads)
     }
 
     /// Its meshes, divided this finely (0 to [`LEVELS`] − 1, the finest first).
@@ -140,16 +144,13 @@ impl EyeRegion {
         self.corner_start(Corner::Lateral) + CORNER_COLUMNS * CORNER_ROWS
     }
 
-    /// The triangles of face and lids, and those of the corners.
-    fn triangles(&self, level: usize) -> [Vec<u32>; 2] {
-        let mut face = Vec::new();
-        for quad in self.cage.quads_of(level) {
-            push_quad(&mut face, quad);
-        }
+    /// The quads of face and lids, and those of the corners; counter-clockwise from outside.
+    fn quads_of(&self, level: usize) -> [Vec<[u32; 4]>; 2] {
+        let mut face = self.cage.quads_of(level);
         let (rows, step) = (ROWS_OF[level], COLUMN_STEP[level]);
         let columns = self.cage.border.len();
         // The columns that end at vertices which the face has at this level.
-        let kept: HashSet<u32> = face.iter().copied().collect();
+        let kept: HashSet<u32> = face.iter().flatten().copied().collect();
         let ends = |border: &BorderVertex| kept.contains(&border.index);
         let first = self.cage.border.iter().position(ends).unwrap_or(0);
         let at = |j: usize, row: usize| {
@@ -163,13 +164,12 @@ impl EyeRegion {
         for j in (first..first + columns).step_by(step) {
             for pair in rows.windows(2) {
                 let next = j + step;
-                let quad = [
+                face.push([
                     at(j, pair[0]),
                     at(j, pair[1]),
                     at(next, pair[1]),
                     at(next, pair[0]),
-                ];
-                push_quad(&mut face, quad);
+                ]);
             }
         }
         let mut corners = Vec::new();
@@ -188,7 +188,7 @@ impl EyeRegion {
                     if corner == Corner::Lateral {
                         quad.swap(1, 3);
                     }
-                    push_quad(&mut corners, quad);
+                    corners.push(quad);
                 }
             }
         }
@@ -248,12 +248,7 @@ impl EyeRegion {
             );
             out.light[start..end].fill(0.85);
         }
-        write_normals(
-            &out.points,
-            &self.indices,
-            &mut out.scratch,
-            &mut out.normals,
-        );
+        write_normals(&out.points, &self.quads, &mut out.scratch, &mut out.normals);
         out.positions.clear();
         out.positions
             .extend(out.points.iter().map(|p| p.to_array()));
@@ -336,7 +331,7 @@ impl EyeRegion {
         meniscus_strip(Lid::Upper, &self.fissure, pose, globe_radius, upper);
         write_normals(
             &out.points,
-            &self.meniscus_indices,
+            &self.meniscus_quads,
             &mut out.scratch,
             &mut out.meniscus_normals,
         );
@@ -346,8 +341,11 @@ impl EyeRegion {
     }
 }
 
-fn push_quad(triangles: &mut Vec<u32>, [a, b, c, d]: [u32; 4]) {
-    triangles.extend([a, b, c, a, c, d]);
+/// Two triangles of each quad.
+fn triangles(quads: &[[u32; 4]]) -> impl Iterator<Item = [u32; 3]> {
+    quads
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
 }
 
 /// Unit tangents of the globe at each margin point, away from the fissure; at the canthi, where the
@@ -406,24 +404,21 @@ fn resample(columns: &[Column], lid: Lid, point: impl Fn(usize) -> Vec3, out: &m
     }
 }
 
-/// Area-weighted vertex normals; a vertex without area looks along the patient's gaze.
-pub(crate) fn write_normals(
+/// Vertex normals weighted by the areas of the quads about a vertex; one without area looks along the patient's gaze.
+fn write_normals(
     points: &[Vec3],
-    indices: &[u32],
+    quads: &[[u32; 4]],
     scratch: &mut Vec<Vec3>,
     out: &mut Vec<[f32; 3]>,
 ) {
     scratch.clear();
     scratch.resize(points.len(), Vec3::ZERO);
-    for t in indices.chunks_exact(3) {
-        let [a, b, c] = [
-            points[t[0] as usize],
-            points[t[1] as usize],
-            points[t[2] as usize],
-        ];
-        let normal = (b - a).cross(c - a);
-        for &v in t {
-            scratch[v as usize] += normal;
+    for quad in quads {
+        let [a, b, c, d] = quad.map(|vertex| points[vertex as usize]);
+        // The sum of the normals of its two triangles, whichever way it is halved.
+        let normal = (c - a).cross(d - b);
+        for &vertex in quad {
+            scratch[vertex as usize] += normal;
         }
     }
     out.clear();
@@ -434,7 +429,7 @@ pub(crate) fn write_normals(
     );
 }
 
-fn meniscus_indices() -> Vec<u32> {
+fn meniscus_quads() -> Vec<[u32; 4]> {
     let mut out = Vec::new();
     for strip in 0..2 {
         let at =
@@ -443,10 +438,10 @@ fn meniscus_indices() -> Vec<u32> {
             for k in 0..MENISCUS_POINTS - 1 {
                 let [a, b, c, d] = [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
                 // The strips mirror each other, and both must face outwards.
-                out.extend(if strip == 0 {
-                    [a, b, c, a, c, d]
+                out.push(if strip == 0 {
+                    [a, b, c, d]
                 } else {
-                    [a, c, b, a, d, c]
+                    [a, d, c, b]
                 });
             }
         }

@@ -131,13 +131,22 @@ pub fn column_profile(
     }
     let path = SkinPath::new(column, frame, points[EDGE_ROWS - 1], pose, globe_radius);
     let fold = Fold::new(column, &path, lowered);
+    // The rows' places along the path, between its ends.
+    let mut along = [0.0; SKIN_ROWS + 2];
+    let mut bases = [points[EDGE_ROWS - 1]; SKIN_ROWS + 2];
     for k in 0..SKIN_ROWS {
-        let a = fold.row_mm(k);
-        let v = a / path.length;
-        let base = path.at(v);
-        let up = (path.at((v + 0.01).min(1.0)) - path.at(v - 0.01)).normalize_or_zero();
-        let out =
-            (base.normalize_or_zero() - up * up.dot(base.normalize_or_zero())).normalize_or_zero();
+        along[k + 1] = fold.row_mm(k) / path.length;
+        bases[k + 1] = path.at(along[k + 1]);
+    }
+    (along[SKIN_ROWS + 1], bases[SKIN_ROWS + 1]) = (1.0, frame.border);
+    for k in 0..SKIN_ROWS {
+        let (v, base) = (along[k + 1], bases[k + 1]);
+        let (a, before, after) = (v * path.length, v - along[k], along[k + 2] - v);
+        // The derivative of the parabola through a row and its neighbours.
+        let up = ((base - bases[k]) * (after * after) + (bases[k + 2] - base) * (before * before))
+            .normalize_or_zero();
+        let outwards = base.normalize_or_zero();
+        let out = (outwards - up * up.dot(outwards)).normalize_or_zero();
         let fade = 1.0 - smoothstep(0.75, 1.0, v);
         points[EDGE_ROWS + k] = base + (out * fold.push_mm(a) - up * fold.overhang_mm(a)) * fade;
         light[EDGE_ROWS + k] = fold.light(a);
@@ -146,11 +155,10 @@ pub fn column_profile(
 
 /// The smooth skin line from the lash line to the border, before folds.
 struct SkinPath<'a> {
-    /// Unit vectors towards both ends, the angle between them (rad) and its sine.
+    /// Unit vectors towards its start and across it towards its end, and the angle between start and end, rad.
     from: Vec3,
-    to: Vec3,
+    across: Vec3,
     angle: f32,
-    sine: f32,
     /// Height of the start over the globe, and distance of the end from its centre, mm.
     excess: f32,
     end: f32,
@@ -176,12 +184,10 @@ impl<'a> SkinPath<'a> {
             .hypot(end.length() - start.length())
             .max(1.0);
         let (from, to) = (start.normalize_or_zero(), end.normalize_or_zero());
-        let bent = from.angle_between(to).max(1e-4);
         let mut path = Self {
             from,
-            to,
-            angle: bent,
-            sine: bent.sin().max(1e-4),
+            across: (to - from * from.dot(to)).normalize_or_zero(),
+            angle: from.angle_between(to),
             excess: start.length() - globe_radius(from),
             end: end.length(),
             length,
@@ -206,9 +212,8 @@ impl<'a> SkinPath<'a> {
     }
 
     fn raw(&self, v: f32) -> Vec3 {
-        let at = (self.from * ((1.0 - v) * self.angle).sin() + self.to * (v * self.angle).sin())
-            / self.sine;
-        let at = at.normalize_or_zero();
+        let (sine, cosine) = (v * self.angle).sin_cos();
+        let at = self.from * cosine + self.across * sine;
         let low = (self.globe_radius)(at) + self.excess;
         at * (low + (self.end - low) * v.powf(self.power))
     }
@@ -219,9 +224,10 @@ impl<'a> SkinPath<'a> {
         let p = self.raw(v)
             + self.start_fix * (v * (1.0 - v) * (1.0 - v))
             + self.end_fix * (v * v * (v - 1.0));
-        let direction = p.normalize_or_zero();
+        let reach = p.length().max(1e-6);
+        let direction = p / reach;
         let floor = (self.globe_radius)(direction) + 0.85 * self.thickness;
-        direction * p.length().max(floor)
+        direction * reach.max(floor)
     }
 }
 
@@ -278,26 +284,39 @@ impl Fold {
 
     /// Displacement along the outward normal, mm.
     fn push_mm(&self, a: f32) -> f32 {
-        let c = self.past_crease(a);
-        let groove = -self.depth * (-(c / self.width).powi(2)).exp();
-        let lip = self.bulge
-            * smoothstep(0.05, 0.4 + 0.9 * self.width, c)
-            * (-((c - 0.75).max(0.0) / 3.0).powi(2)).exp();
-        let roll =
-            0.2 * (-((a - 2.8) / 1.8).powi(2)).exp() - 0.18 * (-((a - 5.2) / 1.2).powi(2)).exp();
-        groove + lip + self.lower * roll
+        let mut push = 0.0;
+        // A fold is an upper lid's, a roll a lower one's.
+        if self.upper > 0.0 {
+            let c = self.past_crease(a);
+            push -= self.depth * bell(c / self.width);
+            push += self.bulge
+                * smoothstep(0.05, 0.4 + 0.9 * self.width, c)
+                * bell((c - 0.75).max(0.0) / 3.0);
+        }
+        if self.lower > 0.0 {
+            push += self.lower * (0.2 * bell((a - 2.8) / 1.8) - 0.18 * bell((a - 5.2) / 1.2));
+        }
+        push
     }
 
     /// How far the fold hangs down over the crease, mm.
     fn overhang_mm(&self, a: f32) -> f32 {
+        if self.upper <= 0.0 {
+            return 0.0;
+        }
         let c = self.past_crease(a);
-        0.75 * self.bulge * smoothstep(0.0, 0.45, c) * (-((c - 0.45).max(0.0) / 1.1).powi(2)).exp()
+        0.75 * self.bulge * smoothstep(0.0, 0.45, c) * bell((c - 0.45).max(0.0) / 1.1)
     }
 
     fn light(&self, a: f32) -> f32 {
         let c = self.past_crease(a);
-        let crease = 0.75 * (self.depth / 0.95) * (-(c / (1.1 * self.width)).powi(2)).exp();
-        let under = 0.06 * self.lower * (-((a - 5.2) / 1.1).powi(2)).exp();
+        let crease = 0.75 * (self.depth / 0.95) * bell(c / (1.1 * self.width));
+        let under = 0.06 * self.lower * bell((a - 5.2) / 1.1);
         (1.0 - crease - under).clamp(0.05, 1.0)
     }
+}
+
+/// exp(−x²); nothing is left of it from 5 on.
+fn bell(x: f32) -> f32 {
+    if x.abs() < 5.0 { (-x * x).exp() } else { 0.0 }
 }

@@ -52,10 +52,10 @@ pub struct RegionPart {
 }
 
 impl RegionPart {
-    fn of<'a>(triangles: impl Iterator<Item = &'a [u32]>) -> Self {
+    fn of(triangles: impl Iterator<Item = [u32; 3]>) -> Self {
         let mut part = Self::default();
         let mut places = HashMap::new();
-        for &vertex in triangles.flatten() {
+        for vertex in triangles.flatten() {
             let place = *places.entry(vertex).or_insert_with(|| {
                 part.vertices.push(vertex);
                 part.vertices.len() as u32 - 1
@@ -87,14 +87,13 @@ pub struct RegionParts {
 
 impl RegionParts {
     /// Divides the triangles of face and lids by whether any of their vertices is wet.
-    pub(super) fn new(face: &[u32], corners: &[u32], wet: impl Fn(u32) -> bool) -> Self {
-        let is_wet = |triangle: &[u32]| triangle.iter().any(|&vertex| wet(vertex));
-        let (margin, skin): (Vec<&[u32]>, Vec<_>) =
-            face.chunks_exact(3).partition(|triangle| is_wet(triangle));
+    pub(super) fn new(face: &[[u32; 3]], corners: &[[u32; 3]], wet: impl Fn(u32) -> bool) -> Self {
+        let is_wet = |triangle: &[u32; 3]| triangle.iter().any(|&vertex| wet(vertex));
+        let (margin, skin): (Vec<[u32; 3]>, Vec<_>) = face.iter().partition(|&t| is_wet(t));
         Self {
             skin: RegionPart::of(skin.into_iter()),
             margin: RegionPart::of(margin.into_iter()),
-            conjunctiva: RegionPart::of(corners.chunks_exact(3)),
+            conjunctiva: RegionPart::of(corners.iter().copied()),
         }
     }
 }

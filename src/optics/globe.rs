@@ -55,6 +55,8 @@ pub struct GlobeShape {
     cornea: DVec2,
     limbus_radius_mm: f64,
     blend_mm: f64,
+    /// [`Self::apex_distance_mm`], which every distance asks for.
+    apex_mm: f64,
     /// Cosine to the axis below which the surface is the scleral sphere and nothing else.
     scleral_cosine: f64,
 }
@@ -128,6 +130,7 @@ impl GlobeShape {
             cornea,
             limbus_radius_mm,
             blend_mm: LIMBUS_BLEND_MM,
+            apex_mm: globe_apex_distance(sclera_radius_mm, cornea, limbus_radius_mm),
             scleral_cosine: -1.0,
         };
         // From the back to the front, for as long as there is no cornea.
@@ -165,7 +168,7 @@ impl GlobeShape {
 
     /// Distance from the centre of rotation to the corneal apex (mm).
     pub fn apex_distance_mm(&self) -> f64 {
-        globe_apex_distance(self.sclera_radius_mm, self.cornea, self.limbus_radius_mm)
+        self.apex_mm
     }
 
     /// A point of the globe frame in the optics frame.
@@ -191,13 +194,35 @@ impl GlobeShape {
             return self.sclera_radius_mm;
         }
         let cosine = cosine.min(1.0);
-        globe_radius_along(
-            DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, -cosine),
-            self.sclera_radius_mm,
-            self.cornea,
-            self.limbus_radius_mm,
-            self.blend_mm,
-        )
+        let reach = self.corneal_reach(cosine).unwrap_or_else(|| {
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            let apex = DVec3::new(0.0, 0.0, self.apex_mm);
+            let direction = DVec3::new(sine, 0.0, -cosine);
+            conicoid_intersect(apex, direction, self.cornea.x, self.cornea.y)
+        });
+        merged(reach, self.sclera_radius_mm, self.blend_mm)
+    }
+
+    /// Distance (mm) to the front half of the conicoid, in the plane of axis and direction; none where it is not met there.
+    fn corneal_reach(&self, cosine: f64) -> Option<f64> {
+        let [radius, p] = self.cornea.to_array();
+        let apex = self.apex_mm;
+        // With z = apex − r cos, equation 1 is a r² + 2 b r = c.
+        let a = 1.0 + (p - 1.0) * cosine * cosine;
+        let b = (radius - p * apex) * cosine;
+        let c = (2.0 * radius - p * apex) * apex;
+        let discriminant = b * b + a * c;
+        if cosine < 0.0 || discriminant < 0.0 {
+            return None;
+        }
+        // Of two forms of one root, the one that adds.
+        let reach = if b >= 0.0 {
+            c / (b + discriminant.sqrt())
+        } else {
+            (discriminant.sqrt() - b) / a
+        };
+        let is_front = radius - p * (apex - reach * cosine) >= 0.0;
+        (is_front && reach > 0.0 && reach.is_finite()).then_some(reach)
     }
 
     /// Unit normal, pointing out of the globe, of the surface along a direction of the globe frame.
@@ -231,7 +256,11 @@ pub fn globe_radius_along(
 ) -> f64 {
     let apex = globe_apex_distance(sclera_radius, cornea, limbus_radius);
     let reach = conicoid_intersect(DVec3::new(0.0, 0.0, apex), direction, cornea.x, cornea.y);
-    // The smooth maximum of two heights: polynomial, one derivative continuous.
+    merged(reach, sclera_radius, blend)
+}
+
+/// The smooth maximum of two heights: polynomial, one derivative continuous.
+fn merged(reach: f64, sclera_radius: f64, blend: f64) -> f64 {
     let overlap = (blend - (reach - sclera_radius).abs()).max(0.0);
     reach.max(sclera_radius) + overlap * overlap / (4.0 * blend)
 }

@@ -109,7 +109,7 @@ fn the_mesh_is_whole() {
         ],
         [count; 4]
     );
-    assert!(region.indices().iter().all(|&i| (i as usize) < count));
+    assert!(region.quads.iter().flatten().all(|&i| (i as usize) < count));
     assert!(
         region
             .meniscus_indices()
@@ -222,7 +222,7 @@ fn closed_lids_meet_and_open_margins_are_ordered() {
 /// First hit of a ray with the region, mm from `from`.
 fn first_hit(region: &EyeRegion, out: &PosedRegion, from: Vec3, along: Vec3) -> Option<f32> {
     let point = |i: u32| Vec3::from(out.positions[i as usize]);
-    let hits = region.indices().chunks_exact(3).filter_map(|t| {
+    let hits = region.triangles().filter_map(|t| {
         let (a, e1, e2) = (
             point(t[0]),
             point(t[1]) - point(t[0]),
