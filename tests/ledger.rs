@@ -1,9 +1,12 @@
 //! What is hidden, paused or absent costs nothing: proved by the ledger of work.
 
 use crate::stage::{look, open, patient, session, settle, turn};
+use bevy::asset::AssetEvent;
+use bevy::ecs::message::Messages;
 use bevy::math::UVec2;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
 use bevy::shader::ShaderDefVal;
+use ocularium::appearance::GlobeMaterial;
 use ocularium::frame::ledger::Work;
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::motion::MotionCommand;
@@ -103,6 +106,8 @@ fn what_is_hidden_paused_or_unchanged_costs_nothing() {
     hidden_panels_do_no_work(&mut run);
     a_standing_clock_costs_nothing(&mut run);
     a_new_size_captures_once(&mut run);
+    a_small_eye_has_fewer_vertices(&mut run);
+    a_pupil_changes_no_material(&mut run);
     uploads_are_bounded(&mut run);
     glaucoma_runs_only_for_who_has_it(&mut run);
 }
@@ -207,6 +212,61 @@ fn a_new_size_captures_once(run: &mut Run) {
         ),
         (0, 0, 0)
     );
+}
+
+fn a_small_eye_has_fewer_vertices(run: &mut Run) {
+    let mut vertices = |side: u32| {
+        run.resize(Which::Eye, UVec2::splat(side));
+        settle(&mut run.headless);
+        let work = run.play();
+        work.lid_vertices / work.lid_poses
+    };
+    let [small, middle, large] = [64, 320, 800].map(&mut vertices);
+    // Skin and margins have a quarter of their vertices at each coarser level; lashes keep theirs.
+    assert!(
+        middle > small + 1000 && large > middle + 4 * (middle - small),
+        "{small}, {middle} and {large} vertices a pose"
+    );
+    assert_eq!(vertices(64), small, "and it goes back");
+    run.resize(Which::Eye, UVec2::splat(96));
+    settle(&mut run.headless);
+}
+
+fn a_pupil_changes_no_material(run: &mut Run) {
+    run.show(true, false);
+    settle(&mut run.headless);
+    // Materials that have changed in eight frames, and pupils that were seen.
+    let play = |run: &mut Run| {
+        type Changes = Messages<AssetEvent<GlobeMaterial>>;
+        let world = run.headless.world();
+        let mut cursor = world.resource::<Changes>().get_cursor_current();
+        let (mut materials, mut pupils) = (0, Vec::new());
+        for _ in 0..FRAMES {
+            run.time_s += STEP_S;
+            run.headless.go_to(run.time_s);
+            pupils.push(run.headless.state().pupil_mm.to_bits());
+            let changes = run.headless.world().resource::<Changes>();
+            let is_modified = |event: &&AssetEvent<_>| matches!(event, AssetEvent::Modified { .. });
+            materials += cursor.read(changes).filter(is_modified).count();
+        }
+        pupils.dedup();
+        (materials, pupils.len())
+    };
+    let (materials, pupils) = play(run);
+    assert!(pupils > 1, "a pupil is never at rest");
+    assert_eq!(materials, 0, "of {pupils} pupils");
+    look(&mut run.headless, 10.0, 0.0, 3.0);
+    // A saccade begins 0.2 s after the frame that takes its command.
+    for wait_s in [STEP_S, 0.2] {
+        run.time_s += wait_s;
+        run.headless.go_to(run.time_s);
+    }
+    assert!(play(run).0 > 0, "an eye that turns changes them");
+    look(&mut run.headless, 0.0, 0.0, 3.0);
+    run.time_s += 1.0;
+    run.headless.go_to(run.time_s);
+    run.show(true, true);
+    settle(&mut run.headless);
 }
 
 fn uploads_are_bounded(run: &mut Run) {

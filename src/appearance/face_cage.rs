@@ -87,7 +87,7 @@ const SHAPES: [(&str, &str); 7] = [
         include_str!("../../assets/face/targets/wide.target"),
     ),
 ];
-const STRIDE: usize = 5 + 3 * SHAPES.len();
+const STRIDE: usize = 3 + 3 * SHAPES.len();
 
 /// The face's own eyeball is 27.6 mm wide and set forward: scale and shift (mm) that lay its lid
 /// margin on an adult globe, fissure 28 mm wide.
@@ -112,8 +112,6 @@ pub struct BorderVertex {
 pub struct Cage {
     /// Rest positions, mm.
     pub positions: Vec<Vec3>,
-    /// Texture coordinates of the source face.
-    pub uvs: Vec<[f32; 2]>,
     /// Quads, outward side counter-clockwise seen from in front.
     pub quads: Vec<[u32; 4]>,
     /// For each [`Shape`], the vertices that it moves and by how much, mm.
@@ -204,7 +202,7 @@ fn index(file: &'static str, line: usize, word: &str, count: usize) -> Result<u3
 }
 
 fn parse_region(text: &str) -> Result<Source, FaceError> {
-    let (mut points, mut uvs, mut quads) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut points, mut quads) = (Vec::new(), Vec::new());
     let (mut margin, mut border, mut group) = (Vec::new(), Vec::new(), "");
     for (i, line) in text.lines().enumerate() {
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -216,7 +214,6 @@ fn parse_region(text: &str) -> Result<Source, FaceError> {
         };
         match words.first().copied() {
             Some("v") => points.push(Vec3::from_array(numbers(REGION, i + 1, rest)?)),
-            Some("vt") => uvs.push(numbers::<2>(REGION, i + 1, rest)?),
             Some("g") => group = rest.first().copied().unwrap_or(""),
             Some("f") => {
                 let quad: [u32; 4] = indices()?.try_into().map_err(|_| FaceError::Line {
@@ -231,19 +228,14 @@ fn parse_region(text: &str) -> Result<Source, FaceError> {
             _ => {}
         }
     }
-    if points.is_empty()
-        || points.len() != uvs.len()
-        || margin.len() < 8
-        || border.len() != margin.len()
-    {
+    if points.is_empty() || margin.len() < 8 || border.len() != margin.len() {
         return Err(bad_file(
-            "needs vertices, as many texture coordinates, and two equal edge loops of 8 or more",
+            "needs vertices, and two equal edge loops of 8 or more",
         ));
     }
     let mut values = Vec::with_capacity(points.len() * STRIDE);
-    for (p, uv) in points.iter().zip(&uvs) {
+    for p in &points {
         values.extend((*p * FIT_SCALE + FIT_SHIFT_MM).to_array());
-        values.extend(uv);
         values.extend([0.0; 3 * SHAPES.len()]);
     }
     Ok(Source {
@@ -279,7 +271,7 @@ fn parse_shape(
                 what,
             });
         }
-        let start = vertex * STRIDE + 5 + 3 * number;
+        let start = vertex * STRIDE + 3 + 3 * number;
         for (c, d) in [x, y, z].into_iter().enumerate() {
             mesh.values[start + c] = d * FIT_SCALE;
         }
@@ -356,7 +348,7 @@ fn assemble(source: &Source, inside: &[bool]) -> Result<Cage, FaceError> {
             let moved = order
                 .iter()
                 .enumerate()
-                .map(|(i, &v)| (i as u32, point(v, 5 + 3 * s)));
+                .map(|(i, &v)| (i as u32, point(v, 3 + 3 * s)));
             moved.filter(|(_, d)| d.length_squared() > 1e-6).collect()
         })
         .collect();
@@ -411,7 +403,6 @@ fn assemble(source: &Source, inside: &[bool]) -> Result<Cage, FaceError> {
     }
     Ok(Cage {
         positions: order.iter().map(|&v| point(v, 0)).collect(),
-        uvs: order.iter().map(|&v| [row(v)[3], row(v)[4]]).collect(),
         quads,
         shapes,
         border,

@@ -29,12 +29,22 @@ pub const MARGIN_POINTS: usize = 33;
 pub struct EyeRegion {
     cage: Cage,
     fissure: Fissure,
-    quads: Vec<[u32; 4]>,
+    /// At each level, which columns of the lids it has and its quads.
+    divisions: [Division; LEVELS],
     meniscus_quads: Vec<[u32; 4]>,
     meniscus_indices: Vec<u32>,
     tissue: Vec<[f32; 4]>,
     rest: Vec<[f32; 3]>,
     parts: [RegionParts; LEVELS],
+}
+
+/// What of a region one level of division has.
+#[derive(Clone, Debug, Default)]
+struct Division {
+    /// The columns of the lids, of all of them.
+    columns: Vec<usize>,
+    /// Quads of face, lids and corners.
+    quads: Vec<[u32; 4]>,
 }
 
 /// A posed region. Reuse it: its buffers keep their size.
@@ -70,7 +80,7 @@ impl EyeRegion {
     pub fn load() -> Result<Self, FaceError> {
         let cage = Cage::load()?;
         let mut region = Self {
-            quads: Vec::new(),
+            divisions: Default::default(),
             meniscus_quads: meniscus_quads(),
             meniscus_indices: triangles(&meniscus_quads()).flatten().collect(),
             tissue: Vec::new(),
@@ -79,15 +89,18 @@ impl EyeRegion {
             fissure: Fissure::default(),
             cage,
         };
-        region.quads = region.quads_of(0).concat();
         region.tissue = region.tissue_weights();
-        region.parts = std::array::from_fn(|level| {
-            let [face, corners] = region
-                .quads_of(level)
-                .map(|quads| triangles(&quads).collect::<Vec<_>>());
+        for level in 0..LEVELS {
+            let columns = region.columns_of(level);
+            let quads = region.quads_of(level, &columns);
+            let [face, corners] = [0, 1].map(|k| triangles(&quads[k]).collect::<Vec<_>>());
             let wet = |vertex: u32| region.tissue[vertex as usize][0] > 0.0;
-            RegionParts::new(&face, &corners, wet)
-        });
+            region.parts[level] = RegionParts::new(&face, &corners, wet);
+            region.divisions[level] = Division {
+                columns,
+                quads: quads.concat(),
+            };
+        }
         let closed = LidPose {
             aperture: 0.25,
             ..LidPose::default()
@@ -100,7 +113,7 @@ impl EyeRegion {
 
     /// Its triangles as finely divided as it is, counter-clockwise from outside.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
-        triangles(&self.quads)
+        triangles(&self.divisions[0].quads)
     }
 
     /// Its meshes, divided this finely (0 to [`LEVELS`] − 1, the finest first).
@@ -123,11 +136,6 @@ impl EyeRegion {
         &self.tissue
     }
 
-    /// The resting margins.
-    pub fn fissure(&self) -> &Fissure {
-        &self.fissure
-    }
-
     fn lid_start(&self) -> usize {
         self.cage.positions.len()
     }
@@ -144,33 +152,32 @@ impl EyeRegion {
         self.corner_start(Corner::Lateral) + CORNER_COLUMNS * CORNER_ROWS
     }
 
-    /// The quads of face and lids, and those of the corners; counter-clockwise from outside.
-    fn quads_of(&self, level: usize) -> [Vec<[u32; 4]>; 2] {
-        let mut face = self.cage.quads_of(level);
-        let (rows, step) = (ROWS_OF[level], COLUMN_STEP[level]);
-        let columns = self.cage.border.len();
-        // The columns that end at vertices which the face has at this level.
-        let kept: HashSet<u32> = face.iter().flatten().copied().collect();
+    /// The columns of a level, round the fissure: those that end at vertices which the face has there.
+    fn columns_of(&self, level: usize) -> Vec<usize> {
+        let kept: HashSet<u32> = self.cage.quads_of(level).into_iter().flatten().collect();
+        let border = &self.cage.border;
         let ends = |border: &BorderVertex| kept.contains(&border.index);
-        let first = self.cage.border.iter().position(ends).unwrap_or(0);
-        let at = |j: usize, row: usize| {
-            let j = j % columns;
+        let first = border.iter().position(ends).unwrap_or(0);
+        let around = (first..first + border.len()).step_by(COLUMN_STEP[level]);
+        around.map(|column| column % border.len()).collect()
+    }
+
+    /// The quads of face and lids, and those of the corners; counter-clockwise from outside.
+    fn quads_of(&self, level: usize, columns: &[usize]) -> [Vec<[u32; 4]>; 2] {
+        let mut face = self.cage.quads_of(level);
+        let at = |column: usize, row: usize| {
             if row == ROWS {
-                self.cage.border[j].index
+                self.cage.border[column].index
             } else {
-                (self.lid_start() + j * ROWS + row) as u32
+                (self.lid_start() + column * ROWS + row) as u32
             }
         };
-        for j in (first..first + columns).step_by(step) {
-            for pair in rows.windows(2) {
-                let next = j + step;
-                face.push([
-                    at(j, pair[0]),
-                    at(j, pair[1]),
-                    at(next, pair[1]),
-                    at(next, pair[0]),
-                ]);
-            }
+        for (k, &here) in columns.iter().enumerate() {
+            let next = columns[(k + 1) % columns.len()];
+            face.extend(ROWS_OF[level].windows(2).map(|rows| {
+                let [from, to] = [rows[0], rows[1]];
+                [at(here, from), at(here, to), at(next, to), at(next, from)]
+            }));
         }
         let mut corners = Vec::new();
         let step = CORNER_STEP[level];
@@ -227,6 +234,18 @@ impl EyeRegion {
 
     /// Poses the region over a globe whose radius (mm) along a unit vector is `globe_radius`.
     pub fn pose(&self, pose: &LidPose, globe_radius: &dyn Fn(Vec3) -> f32, out: &mut PosedRegion) {
+        self.pose_level(0, pose, globe_radius, out);
+    }
+
+    /// The same for the vertices that a level has (0 to [`LEVELS`] − 1, the finest first); where the others stand is not said.
+    pub fn pose_level(
+        &self,
+        level: usize,
+        pose: &LidPose,
+        globe_radius: &dyn Fn(Vec3) -> f32,
+        out: &mut PosedRegion,
+    ) {
+        let division = &self.divisions[level.min(LEVELS - 1)];
         let pose = pose.clamped();
         let count = self.vertex_count();
         out.points.clear();
@@ -235,7 +254,7 @@ impl EyeRegion {
         out.light.clear();
         out.light.resize(count, 1.0);
         self.pose_face(&pose, &mut out.points);
-        self.pose_lids(&pose, globe_radius, out);
+        self.pose_lids(&division.columns, &pose, globe_radius, out);
         for corner in [Corner::Medial, Corner::Lateral] {
             let start = self.corner_start(corner);
             let end = start + CORNER_COLUMNS * CORNER_ROWS;
@@ -248,7 +267,12 @@ impl EyeRegion {
             );
             out.light[start..end].fill(0.85);
         }
-        write_normals(&out.points, &self.quads, &mut out.scratch, &mut out.normals);
+        write_normals(
+            &out.points,
+            &division.quads,
+            &mut out.scratch,
+            &mut out.normals,
+        );
         out.positions.clear();
         out.positions
             .extend(out.points.iter().map(|p| p.to_array()));
@@ -274,7 +298,13 @@ impl EyeRegion {
         }
     }
 
-    fn pose_lids(&self, pose: &LidPose, globe_radius: &dyn Fn(Vec3) -> f32, out: &mut PosedRegion) {
+    fn pose_lids(
+        &self,
+        kept: &[usize],
+        pose: &LidPose,
+        globe_radius: &dyn Fn(Vec3) -> f32,
+        out: &mut PosedRegion,
+    ) {
         let columns: Vec<Column> = self.cage.border.iter().map(|b| b.column).collect();
         let margins: Vec<MarginPoint> = columns
             .iter()
@@ -288,7 +318,8 @@ impl EyeRegion {
             .collect();
         let away = away_tangents(&columns, &margins);
         let start = self.lid_start();
-        for (j, border) in self.cage.border.iter().enumerate() {
+        for &j in kept {
+            let border = &self.cage.border[j];
             // The inner neighbour was cut away; it rides with its border vertex.
             let rest = self.cage.positions[border.index as usize];
             let inner = border.inner + (borders[j] - rest);
@@ -302,9 +333,10 @@ impl EyeRegion {
             let (points, light) = (&mut out.points[rows.clone()], &mut out.light[rows]);
             column_profile(&columns[j], &frame, pose, globe_radius, points, light);
         }
-        let anterior = |j: usize| out.points[start + j * ROWS + ANTERIOR_ROW];
-        resample(&columns, Lid::Upper, anterior, &mut out.upper_lash_line);
-        resample(&columns, Lid::Lower, anterior, &mut out.lower_lash_line);
+        let anterior = |j: &usize| (columns[*j], out.points[start + j * ROWS + ANTERIOR_ROW]);
+        let edge: Vec<(Column, Vec3)> = kept.iter().map(anterior).collect();
+        resample(&edge, Lid::Upper, &mut out.upper_lash_line);
+        resample(&edge, Lid::Lower, &mut out.lower_lash_line);
         for (lid, line) in [
             (Lid::Upper, &mut out.upper_margin),
             (Lid::Lower, &mut out.lower_margin),
@@ -387,12 +419,11 @@ fn away_tangents(columns: &[Column], margins: &[MarginPoint]) -> Vec<Vec3> {
 }
 
 /// A row of the lid mesh as a polyline of [`MARGIN_POINTS`] equal steps of `t`, medial to lateral.
-fn resample(columns: &[Column], lid: Lid, point: impl Fn(usize) -> Vec3, out: &mut Vec<Vec3>) {
-    let mut chain: Vec<(f32, Vec3)> = columns
+fn resample(row: &[(Column, Vec3)], lid: Lid, out: &mut Vec<Vec3>) {
+    let mut chain: Vec<(f32, Vec3)> = row
         .iter()
-        .enumerate()
-        .filter(|(_, c)| c.lid == lid || c.t <= 0.0 || c.t >= 1.0)
-        .map(|(j, c)| (c.t, point(j)))
+        .filter(|(c, _)| c.lid == lid || c.t <= 0.0 || c.t >= 1.0)
+        .map(|(c, point)| (c.t, *point))
         .collect();
     chain.sort_by(|a, b| a.0.total_cmp(&b.0));
     out.clear();

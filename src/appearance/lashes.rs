@@ -63,6 +63,7 @@ impl Lashes {
     }
 
     /// Number of lashes on a lid.
+    #[cfg(test)]
     pub fn count(&self, lid: Lid) -> usize {
         self.lashes.iter().filter(|l| l.lid == lid).count()
     }

@@ -249,25 +249,6 @@ impl Fissure {
         self.margin(lid, 0.5 * (low + high), pose)
             .position(globe_radius)
     }
-
-    /// Height of the opening above the middle of the pupil's resting place, mm (vertical chord at x = 0).
-    pub fn aperture_mm(&self, pose: &LidPose, globe_radius: &dyn Fn(Vec3) -> f32) -> f32 {
-        let height = |lid| {
-            let mut last = self.margin(lid, 0.0, pose).position(globe_radius);
-            for i in 1..=TABLE {
-                let here = self
-                    .margin(lid, i as f32 / TABLE as f32, pose)
-                    .position(globe_radius);
-                if here.x >= 0.0 {
-                    let s = (0.0 - last.x) / (here.x - last.x).max(1e-6);
-                    return last.y + (here.y - last.y) * s;
-                }
-                last = here;
-            }
-            last.y
-        };
-        height(Lid::Upper) - height(Lid::Lower)
-    }
 }
 
 fn lookup(table: &[Bearing], t: f32) -> Bearing {

@@ -9,34 +9,34 @@
 //! What did not change is not drawn: an eye camera is awake only in frames in which pose, patient,
 //! size or viewpoint differ from what was last drawn.
 
-pub mod brow;
-pub mod canthus;
+mod brow;
+mod canthus;
 pub mod eye_camera;
-pub mod face_cage;
-pub mod face_region;
-pub mod globe_mesh;
-pub mod hair;
+mod face_cage;
+mod face_region;
+mod globe_mesh;
+mod hair;
 pub mod illumination;
 pub mod images;
 pub mod iris_map;
-pub mod lashes;
+mod lashes;
 mod levels;
-pub mod lid_edges;
-pub mod lid_profile;
-pub mod lids;
+pub(crate) mod lid_edges;
+mod lid_profile;
+mod lids;
 pub mod light_table;
-pub mod lighting;
+mod lighting;
 mod look_uniform;
 pub mod materials;
 mod mesh_fill;
-pub mod model;
-pub mod pose;
-pub mod region_parts;
+pub(crate) mod model;
+mod pose;
+mod region_parts;
 pub mod sclera_map;
 pub mod shading;
-pub mod skin_map;
-pub mod studio;
-pub mod subdivide;
+mod skin_map;
+pub(crate) mod studio;
+mod subdivide;
 pub mod surroundings;
 mod tissue_maps;
 

@@ -219,7 +219,7 @@ pub fn move_lids(
         };
         let axis = mirrored.globe_rotation(&right) * Vec3::NEG_Z;
         let globe_radius = |direction: Vec3| shape.radius_at(axis.dot(direction).into()) as f32;
-        region.pose(&pose, &globe_radius, &mut parts.posed);
+        region.pose_level(parts.level, &pose, &globe_radius, &mut parts.posed);
         parts.lids = lid_margins(&parts.posed.upper_margin, &parts.posed.lower_margin, mirror);
 
         let mut vertices = 0;

@@ -2,7 +2,7 @@
 //!
 //! In: the triangles of a region ([`EyeRegion`](super::face_region::EyeRegion)). Out: lists of its vertices and the triangles
 //! between them, for each of its materials. A coarser level has every second or fourth vertex of the finest one, where it stands
-//! there and with the normal that it has there: a software rasteriser shades four by four pixels for each triangle that touches
+//! there, and normals of its own: a software rasteriser shades four by four pixels for each triangle that touches
 //! them, so that triangles of a few pixels cost several times what larger ones do.
 
 use super::lid_profile::ROWS;

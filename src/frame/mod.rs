@@ -5,9 +5,9 @@
 
 pub mod clock;
 pub mod ledger;
-pub mod mips;
+pub(crate) mod mips;
 pub mod panel;
-pub mod picture;
+pub(crate) mod picture;
 pub mod readiness;
 pub mod shaders;
 

@@ -11,9 +11,9 @@ pub mod attention;
 pub mod blink;
 pub mod engine;
 
-pub mod plugin;
+pub(crate) mod plugin;
 pub mod pupil;
-pub mod random;
+pub(crate) mod random;
 pub mod saccade;
 pub mod settings;
 pub mod trace;
