@@ -13,7 +13,8 @@ use super::approximations::{
     self, Effort, Requirement, TableSize, Task, joint_csv, report, requirements,
     tables_at_run_time, task_csv,
 };
-use super::frame_cost::{self, CrowdCost, EyeCost, ViewsCost};
+use super::eye_cost::{self, EyeCost};
+use super::frame_cost::{self, CrowdCost, ViewsCost};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
 use super::render::median;
@@ -388,7 +389,7 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
             case.table_bytes as f64 / 1e6,
         );
     }
-    let eye = frame_cost::eye(session(brown, 1.0)?, 4 * count)?;
+    let eye = eye_cost::eye(session(brown, 1.0)?, 4 * count)?;
     eprintln!(
         "an eye costs the processor {:.2} ms a frame while it turns, {:.2} ms while it looks at one place, \
          {:.2} ms while time stands; the frame without it {:.2} ms",

@@ -8,6 +8,7 @@ pub mod approximations;
 pub mod bench;
 pub mod display;
 #[cfg(feature = "app")]
+pub mod eye_cost;
 pub mod frame_cost;
 pub mod frame_folder;
 pub mod headless;
