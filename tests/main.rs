@@ -4,6 +4,7 @@ mod cli;
 mod clouded;
 mod drawn_blur;
 mod examples;
+mod eyes_in_sight;
 mod gpu;
 mod house;
 mod iris_picture;

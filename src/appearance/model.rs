@@ -31,7 +31,7 @@ use crate::anatomy::{
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
 use crate::optics::globe::GlobeShape;
-use bevy::camera::primitives::Aabb;
+use bevy::camera::primitives::{Aabb, Sphere};
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::system::SystemParam;
@@ -189,6 +189,20 @@ impl FromWorld for FaceRegion {
                 .inspect_err(|error| error!("the face cannot be built: {error}"))
                 .ok(),
         )
+    }
+}
+
+/// The box about what an eye's parts fill at any time, mm.
+const FILLED_MM: (Vec3, Vec3) = (Vec3::new(-45.0, -40.0, -35.0), Vec3::new(45.0, 40.0, 15.0));
+
+/// What the parts of a model that stands there fill at any time, m.
+pub(crate) fn eye_bounds(place: &GlobalTransform) -> Sphere {
+    let (low, high) = FILLED_MM;
+    let middle = place.transform_point(0.5 * (low + high) * METRES_A_MM);
+    let reach = 0.5 * (high - low).length() * METRES_A_MM;
+    Sphere {
+        center: middle.into(),
+        radius: reach * place.scale().abs().max_element(),
     }
 }
 
@@ -410,8 +424,7 @@ impl Builder<'_, '_, '_, '_> {
             Mesh3d(mesh),
             material,
             NoFrustumCulling,
-            // What its mesh fills at any time, mm.
-            Aabb::from_min_max(Vec3::new(-45.0, -40.0, -35.0), Vec3::new(45.0, 40.0, 15.0)),
+            Aabb::from_min_max(FILLED_MM.0, FILLED_MM.1),
             Transform::from_scale(Vec3::splat(METRES_A_MM)),
             self.layers.clone(),
         ));

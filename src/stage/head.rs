@@ -260,24 +260,35 @@ impl HeadPath {
         .clamped()
     }
 
-    /// The cubic through two keys with the slopes of their neighbours; it starts and ends at rest.
+    /// The monotone cubic between two keys (Fritsch and Butland 1984): it goes beyond neither, starts and ends at rest, and rests
+    /// where a key has what its neighbour has.
     fn between(&self, from: usize, time_s: f64) -> [f32; 5] {
         let keys = &self.0;
         let (a, b) = (&keys[from], &keys[from + 1]);
-        let span_s = b.time_s - a.time_s;
-        let u = ((time_s - a.time_s) / span_s) as f32;
+        let span_s = (b.time_s - a.time_s) as f32;
+        let u = ((time_s - a.time_s) / (b.time_s - a.time_s)) as f32;
+        // Rise a second from one key to the next, and how long it takes.
+        let rise = |at: usize, channel: usize| {
+            let span_s = (keys[at + 1].time_s - keys[at].time_s) as f32;
+            let rise = keys[at + 1].values()[channel] - keys[at].values()[channel];
+            (rise / span_s, span_s)
+        };
         let slope = |at: usize, channel: usize| -> f32 {
             if at == 0 || at + 1 == keys.len() {
                 return 0.0;
             }
-            let (before, after) = (&keys[at - 1], &keys[at + 1]);
-            let rise = after.values()[channel] - before.values()[channel];
-            rise * (span_s / (after.time_s - before.time_s)) as f32
+            let ((before, before_s), (after, after_s)) = (rise(at - 1, channel), rise(at, channel));
+            if before * after <= 0.0 {
+                return 0.0;
+            }
+            // The harmonic mean, the shorter side counting more.
+            let (w, v) = (2.0 * after_s + before_s, after_s + 2.0 * before_s);
+            (w + v) / (w / before + v / after)
         };
         let (u2, u3) = (u * u, u * u * u);
         std::array::from_fn(|channel| {
             let (p, q) = (a.values()[channel], b.values()[channel]);
-            let (m, n) = (slope(from, channel), slope(from + 1, channel));
+            let [m, n] = [from, from + 1].map(|at| span_s * slope(at, channel));
             (2.0 * u3 - 3.0 * u2 + 1.0) * p
                 + (u3 - 2.0 * u2 + u) * m
                 + (3.0 * u2 - 2.0 * u3) * q
@@ -338,6 +349,23 @@ mod tests {
         let slope = |t: f64| (place(t + 1e-3) - place(t - 1e-3)) / 2e-3;
         assert!((slope(1.999) - slope(2.001)).length() < 0.02);
         assert!(slope(1.0).length() < 0.02);
+    }
+
+    #[test]
+    fn a_path_goes_beyond_none_of_its_keys_and_rests_between_equal_ones() {
+        let path = HeadPath::parse(
+            "[(time_s: 0), (time_s: 1), (time_s: 2, yaw_deg: 180), (time_s: 2.1, yaw_deg: 190), (time_s: 9, yaw_deg: 191)]",
+        )
+        .expect("sound");
+        let mut last = 0.0;
+        for step in 0..=900 {
+            let time_s = f64::from(step) * 0.01;
+            let yaw = path.at(time_s).yaw_deg;
+            assert!(yaw > last - 1e-3 && yaw < 191.0 + 1e-3, "{time_s}: {yaw} after {last}");
+            assert!(time_s > 1.0 || yaw == 0.0, "{time_s}: {yaw}");
+            last = yaw;
+        }
+        assert!((path.at(2.0).yaw_deg - 180.0).abs() < 1e-3);
     }
 
     #[test]

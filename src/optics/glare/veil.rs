@@ -4,8 +4,8 @@
 //! Enters: the straylight parameter that clouding adds (deg² sr⁻¹ at 7°). Leaves: a spread function
 //! that keeps all light: what is scattered is taken from what is not. Scatterers add in intensity,
 //! and the angular law stays that of the CIE function's wide terms at every severity (van den Berg
-//! and IJspeert 1995): one shape, scaled. Beyond a scattered share of a half light is scattered
-//! more than once, which the share `1 − e^(−E s)` stands for.
+//! and IJspeert 1995): one shape, scaled. The parameter is what a meter finds, what is scattered over
+//! what is not, so the share of all light is `E s / (1 + E s)`, where `E` is the energy of a unit.
 //!
 //! **As a sum of levels.** A law near θ⁻² is a sum of bells an octave apart, such as the mips of a picture
 //! are under a spline. In the stereographic projection about the view's axis, `u = 2 tan(θ/2)`, every
@@ -183,7 +183,7 @@ pub struct Veil {
     without: Glare,
     /// Straylight at 7° of the shape as it stands, deg² sr⁻¹.
     unit: f64,
-    /// What is added, multiple scattering counted, deg² sr⁻¹ at 7°.
+    /// What is added to all of the light, deg² sr⁻¹ at 7°: of what is asked the share that belongs to the light that stays.
     added: f64,
     scattered: f64,
 }
@@ -206,7 +206,11 @@ impl Veil {
         } else {
             0.0
         };
-        let scattered = -(-energy * asked).exp_m1();
+        // A straylight meter compares what is scattered with a light of its own that goes through the same media: what it
+        // finds is relative to the light that they leave where it is (compensation comparison: Franssen, Coppens and van
+        // den Berg 2006, Invest. Ophthalmol. Vis. Sci. 47, 768).
+        let over_direct = energy * asked;
+        let scattered = over_direct / (1.0 + over_direct);
         Self {
             with,
             without,
@@ -343,6 +347,20 @@ mod tests {
         // Beyond 1°, 0.0093 of the light for each deg² sr⁻¹.
         let beyond = veil.scattered() - veil.energy_within(1f64.to_radians());
         assert!((beyond / 0.01 - 0.0093).abs() < 2e-4, "{}", beyond / 0.01);
+    }
+
+    /// At every severity what a meter finds is what was asked.
+    #[test]
+    fn scattered_over_direct_light_is_the_straylight_that_was_asked() {
+        for log_s in [0.5, 1.0, 1.4, 1.7, 2.0, 2.2, 2.5] {
+            let asked = 10f64.powf(log_s);
+            for pigment in [0.0, 0.5, 1.2] {
+                let veil = Veil::new(asked, pigment);
+                let direct = 1.0 - veil.scattered();
+                let found = 49.0 * veil.spread(7f64.to_radians()) / direct;
+                assert!((found / asked - 1.0).abs() < 1e-12, "{log_s}: {found}");
+            }
+        }
     }
 
     #[test]

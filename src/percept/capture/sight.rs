@@ -2,13 +2,14 @@
 //!
 //! Enters: Bevy's own record of changes to meshes, materials, textures, lights and their places, and eyes.
 //! Leaves: the render layers that were touched in this frame. A shadow may fall in from outside of
-//! the picture, so a change anywhere on a camera's layers counts.
+//! the picture, so a change anywhere on a camera's layers counts. Eyes, which are never at rest, cast
+//! none: one that changes counts where it is in the picture.
 
 use super::super::field::movers::Movers;
-use crate::appearance::model::EyePart;
+use crate::appearance::model::{EyePart, eye_bounds};
 use crate::appearance::{EyeModel, EyeParts};
 use bevy::asset::AssetEvent;
-use bevy::camera::primitives::Aabb;
+use bevy::camera::primitives::{Aabb, Frustum, Sphere};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Exposure};
 use bevy::light::{EnvironmentMapLight, GlobalAmbientLight, Skybox};
@@ -27,6 +28,10 @@ pub struct SceneChanges {
     everywhere: bool,
     /// Was there light from everywhere in the last frame?
     has_ambient: bool,
+    /// Eyes that have changed, with their layers: where they are, and where they were.
+    eyes: Vec<(RenderLayers, Sphere)>,
+    /// Where eyes were last seen to change.
+    known_eyes: HashMap<Entity, Sphere>,
     /// Layers of everything that was there.
     known: HashMap<Entity, RenderLayers>,
     /// What has moved.
@@ -36,15 +41,20 @@ pub struct SceneChanges {
 }
 
 impl SceneChanges {
-    /// Has something changed that a camera of these layers may see?
-    pub fn touch(&self, layers: Option<&RenderLayers>) -> bool {
+    /// Has something changed that a camera of these layers may see, which has this frustum?
+    pub fn touch(&self, layers: Option<&RenderLayers>, frustum: impl FnOnce() -> Frustum) -> bool {
         let all = RenderLayers::default();
         let layers = layers.unwrap_or(&all);
-        self.everywhere
-            || self
-                .touched
-                .as_ref()
-                .is_some_and(|touched| touched.intersects(layers))
+        let touched = self.touched.as_ref();
+        if self.everywhere || touched.is_some_and(|touched| touched.intersects(layers)) {
+            return true;
+        }
+        let own = self.eyes.iter().filter(|(own, _)| own.intersects(layers));
+        let mut own = own.map(|(_, bounds)| bounds).peekable();
+        own.peek().is_some() && {
+            let frustum = frustum();
+            own.any(|bounds| frustum.intersects_sphere(bounds, true))
+        }
     }
 
     /// Are there meshes on these layers that Bevy's morph targets shape?
@@ -89,6 +99,19 @@ type Altered = Or<(
         Changed<SpotLight>,
     )>,
 )>;
+
+/// A change of an eye's part that its model does not tell of. (Its place and mesh change whenever it moves.)
+type PartAltered = Or<(
+    Changed<InheritedVisibility>,
+    Changed<RenderLayers>,
+    Changed<Mesh3d>,
+)>;
+
+/// An eye that may look otherwise than before.
+type EyeAltered = (
+    With<EyeModel>,
+    Or<(Changed<EyeParts>, Changed<GlobalTransform>)>,
+);
 
 /// What of a camera, beside its place and lens, decides what it draws.
 #[derive(bevy::ecs::query::QueryData)]
@@ -144,6 +167,7 @@ pub(in crate::percept) struct Gone<'w, 's> {
     suns: RemovedComponents<'w, 's, DirectionalLight>,
     spots: RemovedComponents<'w, 's, SpotLight>,
     layers: RemovedComponents<'w, 's, RenderLayers>,
+    eyes: RemovedComponents<'w, 's, EyeModel>,
 }
 
 /// What meshes are drawn with.
@@ -232,16 +256,17 @@ impl Skeletons<'_, '_> {
 )]
 pub(in crate::percept) fn notice(
     mut changes: ResMut<SceneChanges>,
-    altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered)>,
+    altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered, Without<EyePart>)>,
+    altered_parts: Query<(Entity, Option<&RenderLayers>), (With<EyePart>, PartAltered)>,
     unaltered: Query<(Entity, Option<&RenderLayers>), Seen>,
     skinned: Query<(Entity, &Mesh3d, &SkinnedMesh, Option<&RenderLayers>)>,
     skeletons: Skeletons,
     morphed: Query<(Ref<MeshMorphWeights>, Option<&RenderLayers>)>,
     weights: Query<(), Changed<MorphWeights>>,
-    eyes: Query<Option<&RenderLayers>, (With<EyeModel>, Changed<EyeParts>)>,
+    eyes: Query<(Entity, &GlobalTransform, Option<&RenderLayers>), EyeAltered>,
     placed: Query<Placed, Movable>,
     ambient: Option<Res<GlobalAmbientLight>>,
-    drawn: Query<Drawn>,
+    drawn: Query<Drawn, Without<EyePart>>,
     mut gone: Gone,
     mut surfaces: Surfaces,
 ) {
@@ -258,7 +283,9 @@ pub(in crate::percept) fn notice(
     }
     // What has lost its layers is on the usual one now.
     let bare: Vec<_> = gone.layers.read().collect();
-    for (entity, layers) in altered.iter().chain(unaltered.iter_many(bare)) {
+    let gone_eyes: Vec<_> = gone.eyes.read().collect();
+    let altered = altered.iter().chain(&altered_parts);
+    for (entity, layers) in altered.chain(unaltered.iter_many(bare)) {
         changes.add(layers);
         let now = layers.cloned().unwrap_or_default();
         // Who sees the layers that it was on sees it go.
@@ -301,8 +328,18 @@ pub(in crate::percept) fn notice(
         }
     }
     // Eyes are drawn with materials of their own.
-    for layers in &eyes {
-        changes.add(layers);
+    changes.eyes.clear();
+    for entity in gone_eyes {
+        changes.known_eyes.remove(&entity);
+    }
+    for (entity, place, layers) in &eyes {
+        let now = eye_bounds(place);
+        let before = changes.known_eyes.insert(entity, now);
+        for bounds in [Some(now), before].into_iter().flatten() {
+            changes
+                .eyes
+                .push((layers.cloned().unwrap_or_default(), bounds));
+        }
     }
     let had_ambient = std::mem::replace(&mut changes.has_ambient, ambient.is_some());
     changes.everywhere = ambient.map_or(had_ambient, |ambient| ambient.is_changed());
@@ -323,7 +360,11 @@ fn modified<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<Asse
 }
 
 /// Meshes, materials and textures that were changed in place.
-fn redrawn(changes: &mut SceneChanges, drawn: &Query<Drawn>, surfaces: &mut Surfaces) {
+fn redrawn(
+    changes: &mut SceneChanges,
+    drawn: &Query<Drawn, Without<EyePart>>,
+    surfaces: &mut Surfaces,
+) {
     let meshes = modified(&mut surfaces.meshes);
     let mut materials = modified(&mut surfaces.materials);
     let mut images: HashSet<AssetId<Image>> = HashSet::default();

@@ -77,7 +77,7 @@ pub(in crate::percept) fn drive_captures(
         let is_photo = photo.is_some();
         // What changes while nobody looks counts when somebody does. All are asked: each remembers.
         let scene_changed = !is_photo
-            && (changes.touch(layers)
+            && (changes.touch(layers, || projection.compute_frustum(transform))
                 | is_recolored
                 | look.has_changed(&camera, &mut percept.look));
         let memory = finder

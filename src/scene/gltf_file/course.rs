@@ -7,6 +7,7 @@ use super::super::motion::{Channel, Interpolation, Keys, NodePose, Property, Sce
 use super::{Source, accessors};
 use crate::input_file::one_clause;
 use glam::{Mat4, Quat};
+use gltf::json::validation::Checked;
 use gltf::{Document, Node, animation};
 use std::collections::HashMap;
 
@@ -75,7 +76,13 @@ pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course
         .name()
         .map_or_else(|| "animation 0".to_owned(), one_clause_of);
     for channel in found.channels() {
-        match read_channel(&channel, source)? {
+        // The reader stops the program where it is asked for a target that glTF has no name for.
+        let read = if has_known_target(document, &found, &channel) {
+            read_channel(&channel, source)?
+        } else {
+            Err("what it moves is none of translation, rotation, scale and weights".into())
+        };
+        match read {
             Ok(read) => course.animation.channels.extend(read),
             // What is wrong with how a thing moves keeps nobody from seeing it.
             Err(fault) => course.remarks.push(format!(
@@ -112,6 +119,16 @@ pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course
         },
     );
     Ok(course)
+}
+
+fn has_known_target(
+    document: &Document,
+    of: &animation::Animation,
+    channel: &animation::Channel,
+) -> bool {
+    let animation = document.as_json().animations.get(of.index());
+    let known = animation.and_then(|own| own.channels.get(channel.index()));
+    known.is_some_and(|known| matches!(known.target.path, Checked::Valid(_)))
 }
 
 fn one_clause_of(name: &str) -> String {
