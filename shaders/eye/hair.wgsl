@@ -33,5 +33,5 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         radiance += lamp.color * hair_lamp(color, along, v, lamp.direction);
     }
     let pixel = footprint_at(distance(in.camera, in.position));
-    return vec4(shown(radiance), hair_coverage(in.rest.x, pixel, in.rest.y));
+    return vec4(shown(radiance), hair_coverage(in.rest.x, pixel, in.rest.y) * hair_rooted(in.tissue.w));
 }

@@ -41,3 +41,8 @@ fn hair_coverage(half_width: f32, pixel: f32, aside: f32) -> f32 {
     let w = abs(half_width) / pixel;
     return clamp(max(w + 0.5, 1.0) - abs(aside) / pixel, 0.0, 1.0) * min(2.0 * w, 1.0);
 }
+
+// Share of a hair that is seen this far along it (0 root, 1 tip): it comes out of its skin little by little.
+fn hair_rooted(along: f32) -> f32 {
+    return smoothstep(0.0, 0.06, along);
+}

@@ -18,20 +18,14 @@ fn skin_normal(normal: vec3f, v: vec3f, tissue: vec4f, pores: f32, fine: vec4f, 
 }
 
 // Colour: mottled by blood and by melanin, redder where the lid is thin, pink at the margin.
-// `distance_mm` is the distance from the globe's centre, `globe_mm` its radius.
-fn skin_albedo(skin: vec3f, flesh: vec3f, tissue: vec4f, fine: vec4f, coarse: vec4f, distance_mm: f32, globe_mm: f32) -> vec3f {
-    let wet = clamp(tissue.r, 0.0, 1.0);
+fn skin_albedo(skin: vec3f, flesh: vec3f, tissue: vec4f, fine: vec4f, coarse: vec4f) -> vec3f {
     let thin = clamp(tissue.g, 0.0, 1.0);
     let share = clamp(max(tissue.r * 0.75, tissue.b), 0.0, 1.0);
     let blotch = 0.6 * coarse.b + 0.4 * fine.b;
     let speck = 0.5 * fine.a;
     var albedo = skin * (1.0 + vec3f(0.10, 0.16, 0.18) * blotch + vec3f(0.05, 0.07, 0.07) * speck);
     albedo *= mix(vec3f(1.0), vec3f(0.97, 0.86, 0.86), thin);
-    albedo = mix(albedo, flesh * (1.0 + 0.3 * speck), share * 0.85);
-    // Where wet tissue comes down onto the globe it is conjunctiva over sclera: pale, so that no
-    // edge shows between the two.
-    let onto_globe = wet * smoothstep(globe_mm + 1.7, globe_mm + 0.15, distance_mm);
-    return mix(albedo, vec3f(0.70, 0.59, 0.54), onto_globe * (1.0 - 0.75 * tissue.b));
+    return mix(albedo, flesh * (1.0 + 0.3 * speck), share * 0.85);
 }
 
 // What skin takes up of a lamp with an irradiance / pi of one from the unit direction l, and what passes

@@ -12,10 +12,14 @@ use rand_pcg::Pcg32;
 use super::face_region::{MARGIN_POINTS, PosedRegion};
 use super::hair::{HairMesh, hair_half_widths, hair_indices, hair_parameter};
 use super::lids::Lid;
+use super::region_parts::LEVELS;
 use crate::optics::smoothstep::smoothstep;
 
-/// Points along a lash.
-pub const POINTS: usize = 8;
+/// Points along a lash at each level of division of the skin about it ([`super::region_parts`]): where one points at who looks, its
+/// projection turns round within a few tenths of a millimetre.
+const POINTS_OF: [usize; LEVELS] = [16, 10, 8];
+/// Points that the finest has.
+pub(super) const MOST_POINTS: usize = POINTS_OF[0];
 
 /// One lash in the frame of its root.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +44,7 @@ struct Lash {
 #[derive(Clone, Debug)]
 pub struct Lashes {
     lashes: Vec<Lash>,
+    points: usize,
     indices: Vec<u32>,
     parameter: Vec<f32>,
     half_widths_mm: Vec<f32>,
@@ -53,13 +58,31 @@ impl Lashes {
         let (upper, lower) = (random.random_range(98..=118), random.random_range(44..=56));
         grow(Lid::Upper, upper, 0.155, 0.98, &mut random, &mut lashes);
         grow(Lid::Lower, lower, 0.2, 0.965, &mut random, &mut lashes);
-        let count = lashes.len();
-        Self {
-            half_widths_mm: hair_half_widths(lashes.iter().map(|lash| lash.radius_mm), POINTS),
+        let mut own = Self {
             lashes,
-            indices: hair_indices(count, POINTS),
-            parameter: hair_parameter(count, POINTS),
+            points: 0,
+            indices: Vec::new(),
+            parameter: Vec::new(),
+            half_widths_mm: Vec::new(),
+        };
+        own.divide(0);
+        own
+    }
+
+    /// Gives them as many points as belong to a level of division.
+    pub fn divide(&mut self, level: usize) {
+        let points = POINTS_OF[level.min(LEVELS - 1)];
+        if points == self.points {
+            return;
         }
+        let (count, radii) = (
+            self.lashes.len(),
+            self.lashes.iter().map(|lash| lash.radius_mm),
+        );
+        self.half_widths_mm = hair_half_widths(radii, points);
+        self.indices = hair_indices(count, points);
+        self.parameter = hair_parameter(count, points);
+        self.points = points;
     }
 
     /// Number of lashes on a lid.
@@ -91,15 +114,16 @@ impl Lashes {
                 Lid::Upper => (&region.upper_lash_line, &region.upper_margin),
                 Lid::Lower => (&region.lower_lash_line, &region.lower_margin),
             };
-            out.push(&lash.line(line, margin));
+            out.push(&lash.line(line, margin, self.points)[..self.points]);
         }
     }
 }
 
 impl Lash {
-    fn line(&self, lash_line: &[Vec3], margin: &[Vec3]) -> [Vec3; POINTS] {
+    /// Its first `points` points; the others go on as it does.
+    fn line(&self, lash_line: &[Vec3], margin: &[Vec3], points: usize) -> [Vec3; MOST_POINTS] {
         if lash_line.len() != MARGIN_POINTS || margin.len() != MARGIN_POINTS {
-            return [Vec3::ZERO; POINTS];
+            return [Vec3::ZERO; MOST_POINTS];
         }
         let (root, tangent) = sample(lash_line, self.t);
         let (inner, _) = sample(margin, self.t);
@@ -114,10 +138,10 @@ impl Lash {
         };
         // Rooted a little inside the skin.
         let mut at = root + away * self.row_mm - normal * 0.15;
-        let step = self.length_mm / (POINTS - 1) as f32;
+        let step = self.length_mm / (points - 1) as f32;
         std::array::from_fn(|point| {
             let here = at;
-            let s = (point as f32 + 0.5) / (POINTS - 1) as f32;
+            let s = (point as f32 + 0.5) / (points - 1) as f32;
             let (sin, cos) = (self.pitch + self.curl * s.powf(1.2)).sin_cos();
             let (turn_sin, turn_cos) = (self.fan + self.lean * s).sin_cos();
             at += ((normal * cos + away * sin) * turn_cos + tangent * turn_sin) * step;

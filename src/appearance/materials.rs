@@ -270,8 +270,6 @@ pub struct SkinUniform {
     pub flesh: Vec3,
     /// How deep the pores are.
     pub pores: f32,
-    /// Radius of the globe, mm.
-    pub globe_radius_mm: f32,
 }
 
 /// Pipeline key of a [`SkinMaterial`].

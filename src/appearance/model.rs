@@ -533,7 +533,6 @@ impl Builder<'_, '_, '_, '_> {
                 roughness: 0.42,
                 flesh: flesh(anatomy.sclera),
                 pores: 1.0,
-                globe_radius_mm: anatomy.eye.scleral_radius_mm as f32,
             },
             skin_map: self.assets.images.add(skin_image(seed)),
             illumination,

@@ -249,6 +249,7 @@ pub fn move_lids(
                 mirror,
             );
         }
+        lashes.divide(parts.level);
         lashes.pose(&parts.posed, &mut parts.hair);
         if let Some(mut mesh) = assets.meshes.get_mut(&parts.lash_mesh) {
             vertices += parts.hair.positions.len();

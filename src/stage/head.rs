@@ -361,7 +361,10 @@ mod tests {
         for step in 0..=900 {
             let time_s = f64::from(step) * 0.01;
             let yaw = path.at(time_s).yaw_deg;
-            assert!(yaw > last - 1e-3 && yaw < 191.0 + 1e-3, "{time_s}: {yaw} after {last}");
+            assert!(
+                yaw > last - 1e-3 && yaw < 191.0 + 1e-3,
+                "{time_s}: {yaw} after {last}"
+            );
             assert!(time_s > 1.0 || yaw == 0.0, "{time_s}: {yaw}");
             last = yaw;
         }

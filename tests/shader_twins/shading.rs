@@ -580,7 +580,7 @@ fn coverage() {
         &Twin {
             name: "hair_coverage",
             library: &["hair_shade"],
-            call: "y[0] = hair_coverage(x[0], x[1], x[2]); y[1] = hair_drawn(x[0], x[1]);",
+            call: "y[0] = hair_coverage(x[0], x[1], x[2]); y[1] = hair_drawn(x[0], x[1]); y[2] = hair_rooted(0.2 * x[2]);",
             draw: &|rng| {
                 vec![
                     between(rng, -0.1, 0.1),
@@ -592,6 +592,7 @@ fn coverage() {
                 vec![
                     hair_shade::hair_coverage(x[0], x[1], x[2]),
                     hair_shade::hair_drawn(x[0], x[1]),
+                    hair_shade::hair_rooted(0.2 * x[2]),
                 ]
             },
             // Differences of quotients up to 60.

@@ -77,7 +77,6 @@ fn skin() {
         [2e-6, 0.0],
         (16, 1e-2),
     );
-    // 12 mm carries 1e-6, over an edge of 1.55 mm.
     let albedo = |x: &[f64]| {
         let (fine, coarse) = (v4(&x[16..]), v4(&x[20..]));
         rgb(skin_shade::skin_albedo(
@@ -86,13 +85,11 @@ fn skin() {
             v4(&x[12..]),
             fine,
             coarse,
-            x[24],
-            x[25],
         ))
     };
     compare(
         "skin_albedo",
-        "skin_albedo(m, k, t, f, g, x[24], x[25])",
+        "skin_albedo(m, k, t, f, g)",
         &albedo,
         [4e-6, 0.0],
         (24, 2e-2),

@@ -436,9 +436,9 @@ fn lashes_stand_on_the_lash_lines() {
             .chain(&out.lower_lash_line)
             .copied()
             .collect();
-        for hair in mesh.positions.chunks(lashes::POINTS * EDGES) {
+        for hair in mesh.positions.chunks(lashes::MOST_POINTS * EDGES) {
             let root = Vec3::from(hair[0]);
-            let tip = Vec3::from(hair[lashes::POINTS * EDGES - 1]);
+            let tip = Vec3::from(hair[lashes::MOST_POINTS * EDGES - 1]);
             let off = lines
                 .iter()
                 .map(|p| p.distance(root))

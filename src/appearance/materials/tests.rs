@@ -187,8 +187,7 @@ fn every_number_is_where_its_shader_reads_it() {
         albedo = Vec3::splat(9.0),
         roughness = 9.0,
         flesh = Vec3::splat(9.0),
-        pores = 9.0,
-        globe_radius_mm = 9.0
+        pores = 9.0
     );
     same!(
         HairUniform,

@@ -1,6 +1,7 @@
 //! Lashes and brow hairs: dark fibres with two highlights (Kajiya and Kay 1989).
 //! Twin: `shaders/lib/hair_shade.wgsl`.
 
+use crate::optics::smoothstep::smoothstep;
 use glam::DVec3;
 
 /// Radiance of a fibre of this colour along the unit direction `along`, seen from `v`, under a lamp from
@@ -49,6 +50,11 @@ pub fn hair_drawn(half_width: f64, pixel: f64) -> f64 {
 pub fn hair_coverage(half_width: f64, pixel: f64, aside: f64) -> f64 {
     let w = half_width.abs() / pixel;
     ((w + 0.5).max(1.0) - aside.abs() / pixel).clamp(0.0, 1.0) * (2.0 * w).min(1.0)
+}
+
+/// Share of a hair that is seen this far along it (0 root, 1 tip): it comes out of its skin little by little.
+pub fn hair_rooted(along: f64) -> f64 {
+    smoothstep(0.0, 0.06, along)
 }
 
 #[cfg(test)]

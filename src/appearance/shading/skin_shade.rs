@@ -5,7 +5,6 @@ use super::lamp_lobe::{lamp_alpha, lamp_lobe};
 use super::mix;
 use super::surroundings::wrapped_cosines;
 use crate::optics::fresnel::fresnel_dielectric;
-use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3, DVec4};
 
 /// The normal that faces the eye that looks, with the slope of pores and creases where skin is dry.
@@ -29,31 +28,14 @@ pub fn skin_normal(
 }
 
 /// Colour: mottled by blood and by melanin, redder where the lid is thin, pink at the margin.
-/// `distance_mm` is the distance from the globe's centre, `globe_mm` its radius.
-pub fn skin_albedo(
-    skin: DVec3,
-    flesh: DVec3,
-    tissue: DVec4,
-    fine: DVec4,
-    coarse: DVec4,
-    distance_mm: f64,
-    globe_mm: f64,
-) -> DVec3 {
-    let wet = tissue.x.clamp(0.0, 1.0);
+pub fn skin_albedo(skin: DVec3, flesh: DVec3, tissue: DVec4, fine: DVec4, coarse: DVec4) -> DVec3 {
     let thin = tissue.y.clamp(0.0, 1.0);
     let share = (tissue.x * 0.75).max(tissue.z).clamp(0.0, 1.0);
     let blotch = DVec3::new(0.10, 0.16, 0.18) * (0.6 * coarse.z + 0.4 * fine.z);
     let speck = 0.5 * fine.w;
     let mottled = skin * (1.0 + blotch + DVec3::new(0.05, 0.07, 0.07) * speck);
     let reddened = mottled * DVec3::ONE.lerp(DVec3::new(0.97, 0.86, 0.86), thin);
-    let albedo = reddened.lerp(flesh * (1.0 + 0.3 * speck), share * 0.85);
-    // Where wet tissue comes down onto the globe it is conjunctiva over sclera: pale, so that no edge
-    // shows between the two.
-    let onto_globe = wet * smoothstep(globe_mm + 1.7, globe_mm + 0.15, distance_mm);
-    albedo.lerp(
-        DVec3::new(0.70, 0.59, 0.54),
-        onto_globe * (1.0 - 0.75 * tissue.z),
-    )
+    reddened.lerp(flesh * (1.0 + 0.3 * speck), share * 0.85)
 }
 
 /// What skin takes up of a lamp with an irradiance / π of one from the unit direction `l`, and what passes

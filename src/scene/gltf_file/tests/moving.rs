@@ -99,7 +99,10 @@ fn key_frames_that_make_no_course_are_not_played_and_said() {
         (moving([1.0, 1.0], "translation"), "not after 1 s"),
         (moving([-1.0, 1.0], "translation"), "-1 s"),
         (moving([0.0, f32::NAN], "translation"), "NaN"),
-        (moving([0.0, 1.0], "colour"), "none of translation, rotation"),
+        (
+            moving([0.0, 1.0], "colour"),
+            "none of translation, rotation",
+        ),
     ] {
         let scene = load_gltf_bytes(&file, "a.glb").unwrap();
         assert!(scene.motion.is_none());
