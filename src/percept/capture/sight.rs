@@ -100,12 +100,9 @@ type Altered = Or<(
     )>,
 )>;
 
-/// A change of an eye's part that its model does not tell of. (Its place and mesh change whenever it moves.)
-type PartAltered = Or<(
-    Changed<InheritedVisibility>,
-    Changed<RenderLayers>,
-    Changed<Mesh3d>,
-)>;
+/// A change of an eye's part that its model does not tell of. (Its place changes whenever the eye moves, and Bevy marks a mesh as
+/// another one whenever its vertices do.)
+type PartAltered = Or<(Changed<InheritedVisibility>, Changed<RenderLayers>)>;
 
 /// An eye that may look otherwise than before.
 type EyeAltered = (
