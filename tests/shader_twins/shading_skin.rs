@@ -7,7 +7,7 @@ use glam::DVec3;
 use ocularium::appearance::shading::skin_shade;
 use rand_pcg::Pcg64;
 
-/// Two colours, normal and view, tissue, two readings of the tile, three more, a lamp's direction and radius,
+/// Two colours, normal and view, tissue, two readings of the tile, roughness, a lamp's direction and radius,
 /// and a third colour.
 fn draw_skin(rng: &mut Pcg64) -> Vec<f32> {
     let mut x: Vec<f32> = (0..6).map(|_| between(rng, 0.0, 1.0)).collect();
@@ -15,11 +15,7 @@ fn draw_skin(rng: &mut Pcg64) -> Vec<f32> {
     // The weights of a vertex reach their ends and, interpolated, a little past them.
     x.extend((0..4).map(|_| between(rng, -0.1, 1.1)));
     x.extend((0..8).map(|_| between(rng, -0.5, 0.5)));
-    x.extend([
-        between(rng, 10.0, 15.0),
-        between(rng, 10.5, 12.5),
-        between(rng, 0.2, 0.8),
-    ]);
+    x.push(between(rng, 0.2, 0.8));
     let v = DVec3::new(x[9].into(), x[10].into(), x[11].into());
     // The half vector of opposite directions is none.
     let mut l = unit(rng);
@@ -35,8 +31,8 @@ fn draw_skin(rng: &mut Pcg64) -> Vec<f32> {
 #[test]
 fn skin() {
     const TISSUE: &str = "let t = vec4f(x[12], x[13], x[14], x[15]); let f = vec4f(x[16], x[17], x[18], x[19]); \
-                          let g = vec4f(x[20], x[21], x[22], x[23]); let l = vec3f(x[27], x[28], x[29]); \
-                          let q = vec3f(x[31], x[32], x[33]);";
+                          let g = vec4f(x[20], x[21], x[22], x[23]); let l = vec3f(x[25], x[26], x[27]); \
+                          let q = vec3f(x[29], x[30], x[31]);";
     let compare = |name,
                    call: &str,
                    exact: &dyn Fn(&[f64]) -> Vec<f64>,
@@ -65,14 +61,14 @@ fn skin() {
             v3(&x[6..]),
             v3(&x[9..]),
             v4(&x[12..]),
-            x[26],
+            x[24],
             fine,
             coarse,
         ))
     };
     compare(
         "skin_normal",
-        "skin_normal(n, v, t, x[26], f, g)",
+        "skin_normal(n, v, t, x[24], f, g)",
         &normal,
         [2e-6, 0.0],
         (16, 1e-2),
@@ -92,11 +88,11 @@ fn skin() {
         "skin_albedo(m, k, t, f, g)",
         &albedo,
         [4e-6, 0.0],
-        (24, 2e-2),
+        (12, 2e-2),
     );
     let light = |x: &[f64]| {
         let tissue = v4(&x[12..]);
-        rgb(skin_shade::skin_lamp(v3(&x[6..]), tissue, v3(&x[27..]))
+        rgb(skin_shade::skin_lamp(v3(&x[6..]), tissue, v3(&x[25..]))
             + skin_shade::skin_openness(tissue))
     };
     compare(
@@ -112,25 +108,25 @@ fn skin() {
             v3(&x[6..]),
             v3(&x[9..]),
             v4(&x[12..]),
-            x[26],
-            v3(&x[27..]),
-            x[30],
+            x[24],
+            v3(&x[25..]),
+            x[28],
         );
         rgb(DVec3::splat(one))
     };
     compare(
         "skin_lamp_sheen",
-        "vec3f(skin_lamp_sheen(n, v, t, x[26], l, x[30]))",
+        "vec3f(skin_lamp_sheen(n, v, t, x[24], l, x[28]))",
         &sheen,
         [1e-4, 3e-4],
-        (26, 2e-2),
+        (24, 2e-2),
     );
     // A few roundings of numbers up to 1.
     let specular = |x: &[f64]| {
         rgb(skin_shade::skin_specular(
             v3(x),
             v3(&x[3..]),
-            v3(&x[31..]),
+            v3(&x[29..]),
             v3(&x[6..]),
             v3(&x[9..]),
             v4(&x[12..]),
