@@ -253,11 +253,13 @@ impl Shown {
         plain.show(headless, self);
         swap_layers(headless, layers.clone());
         if self == Self::FinestUndrawn {
-            // A large picture, whose size is known in the frame after the first: an eye that nobody sees
-            // stays as finely divided as it was.
+            // A large picture, whose size is known some frames later: an eye that nobody sees stays as finely
+            // divided as it was.
             headless.resize(Which::Eye, UVec2::splat(LARGE_SIDE));
-            headless.stand_still();
-            headless.stand_still();
+            for _ in 0..6 {
+                headless.stand_still();
+                headless.finish_frame();
+            }
         }
         if matches!(self, Self::Undrawn | Self::FinestUndrawn) {
             swap_layers(headless, RenderLayers::none());

@@ -104,6 +104,9 @@ type Altered = Or<(
 /// another one whenever its vertices do.)
 type PartAltered = Or<(Changed<InheritedVisibility>, Changed<RenderLayers>)>;
 
+/// Something, and the layers that it is on.
+type Layered<'a> = (Entity, Option<&'a RenderLayers>);
+
 /// An eye that may look otherwise than before.
 type EyeAltered = (
     With<EyeModel>,
@@ -253,9 +256,9 @@ impl Skeletons<'_, '_> {
 )]
 pub(in crate::percept) fn notice(
     mut changes: ResMut<SceneChanges>,
-    altered: Query<(Entity, Option<&RenderLayers>), (Seen, Altered, Without<EyePart>)>,
-    altered_parts: Query<(Entity, Option<&RenderLayers>), (With<EyePart>, PartAltered)>,
-    unaltered: Query<(Entity, Option<&RenderLayers>), Seen>,
+    altered: Query<Layered, (Seen, Altered, Without<EyePart>)>,
+    altered_parts: Query<Layered, (With<EyePart>, PartAltered)>,
+    unaltered: Query<Layered, Seen>,
     skinned: Query<(Entity, &Mesh3d, &SkinnedMesh, Option<&RenderLayers>)>,
     skeletons: Skeletons,
     morphed: Query<(Ref<MeshMorphWeights>, Option<&RenderLayers>)>,
