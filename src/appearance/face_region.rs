@@ -79,10 +79,11 @@ impl EyeRegion {
     /// When the shipped files are not what [`FaceError`] says they must be.
     pub fn load() -> Result<Self, FaceError> {
         let cage = Cage::load()?;
+        let meniscus_quads = meniscus_quads();
         let mut region = Self {
             divisions: Default::default(),
-            meniscus_quads: meniscus_quads(),
-            meniscus_indices: triangles(&meniscus_quads()).flatten().collect(),
+            meniscus_indices: triangles(&meniscus_quads).flatten().collect(),
+            meniscus_quads,
             tissue: Vec::new(),
             rest: Vec::new(),
             parts: Default::default(),

@@ -120,7 +120,7 @@ impl Lashes {
 }
 
 impl Lash {
-    /// Its first `points` points; the others go on as it does.
+    /// Its `points` points first; no others are worked out.
     fn line(&self, lash_line: &[Vec3], margin: &[Vec3], points: usize) -> [Vec3; MOST_POINTS] {
         if lash_line.len() != MARGIN_POINTS || margin.len() != MARGIN_POINTS {
             return [Vec3::ZERO; MOST_POINTS];
@@ -139,14 +139,15 @@ impl Lash {
         // Rooted a little inside the skin.
         let mut at = root + away * self.row_mm - normal * 0.15;
         let step = self.length_mm / (points - 1) as f32;
-        std::array::from_fn(|point| {
-            let here = at;
+        let mut line = [Vec3::ZERO; MOST_POINTS];
+        for (point, here) in line.iter_mut().take(points).enumerate() {
+            *here = at;
             let s = (point as f32 + 0.5) / (points - 1) as f32;
             let (sin, cos) = (self.pitch + self.curl * s.powf(1.2)).sin_cos();
             let (turn_sin, turn_cos) = (self.fan + self.lean * s).sin_cos();
             at += ((normal * cos + away * sin) * turn_cos + tangent * turn_sin) * step;
-            here
-        })
+        }
+        line
     }
 }
 

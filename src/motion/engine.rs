@@ -217,7 +217,6 @@ impl Oculomotor {
 
     fn process(&mut self, event: Event) {
         match event {
-            Event::Candidates(list) => self.candidates = list,
             Event::Command(command) => self.apply_command(command),
             Event::Pursue(target) => self.pursue(target),
             Event::VoluntaryBlink => self.begin_blink(Blink::voluntary(self.time_s)),

@@ -87,12 +87,6 @@ impl SchematicEye {
         self
     }
 
-    /// The same eye with its retina moved along the axis to `z_mm`.
-    pub fn with_axial_length(mut self, z_mm: f64) -> Self {
-        self.retina.vertex.z = z_mm;
-        self
-    }
-
     /// The surfaces in front of the stop.
     pub fn front(&self) -> &[Interface] {
         &self.interfaces[..self.stop]

@@ -112,18 +112,6 @@ impl Oculomotor {
         }
     }
 
-    /// Replaces the candidates at a time `t` in s; see [`Self::set_candidates`].
-    ///
-    /// # Errors
-    /// [`MotionError`] when `t` is not finite.
-    pub fn set_candidates_at(
-        &mut self,
-        t: f64,
-        candidates: Vec<Candidate>,
-    ) -> Result<(), MotionError> {
-        self.enter(t, Event::Candidates(usable(candidates)))
-    }
-
     /// Sets the visual field that attention works with; `None`, the default, is a whole one and
     /// costs nothing.
     pub fn set_visual_field(&mut self, field: Option<VisualField>) {

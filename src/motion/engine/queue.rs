@@ -5,7 +5,6 @@
 //! not depend on how often the engine was asked to advance.
 
 use crate::anatomy::gaze::GazeAngles;
-use crate::motion::attention::Candidate;
 
 use super::GazeCommand;
 
@@ -19,8 +18,6 @@ pub(super) struct Target {
 /// What can happen at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Event {
-    /// The list of candidates is replaced.
-    Candidates(Vec<Candidate>),
     /// Somebody tells the eye where to look.
     Command(GazeCommand),
     /// A followed target has become visible to the pursuit system.
@@ -44,7 +41,6 @@ pub(super) enum Event {
 impl Event {
     fn rank(&self) -> u8 {
         match self {
-            Self::Candidates(_) => 0,
             Self::Command(_) => 1,
             Self::Pursue(_) => 2,
             Self::VoluntaryBlink => 3,
