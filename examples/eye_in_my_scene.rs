@@ -1,4 +1,4 @@
-//! Somebody's eyes among other things, under the lights that shine on them.
+//! Somebody's eye among other things, under the lights that shine on it, and beside it what she sees of them.
 //!
 //! `cargo run --release --example eye_in_my_scene`, or with `--frames 5 --out out/eye` without a window.
 
@@ -9,25 +9,33 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use ocularium::lab::record::{RecordPlugin, plugins};
 use ocularium::prelude::*;
+use room::PictureSize;
 
 fn main() -> AppExit {
-    let recording = room::recording("The eye of a patient in a scene, under its lights.");
+    let recording = room::recording(
+        "The eye of a patient in a scene, under its lights, and beside it what she sees.",
+    );
     App::new()
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
+        .insert_resource(PictureSize::of(recording.as_ref()))
         .add_plugins(RecordPlugin(recording))
         .add_systems(Startup, (room::furnish, look_at_her))
-        .add_systems(Update, wander)
+        .add_systems(Update, (wander, cloud))
         .run()
 }
 
 /// Where her eyes are, m.
 const PLACE: Vec3 = Vec3::new(0.0, 1.2, 1.5);
 
-fn look_at_her(mut commands: Commands) {
-    let ann = commands.spawn(Patient::preset("healthy-blue")).id();
+fn look_at_her(mut commands: Commands, size: Res<PictureSize>) {
+    let ann = commands
+        .spawn((Patient::preset("healthy-blue"), Cataract::nuclear(0.0)))
+        .id();
     commands.spawn((EyeModel(ann), Transform::from_translation(PLACE)));
+    // Before her face.
     commands.spawn((
         Camera3d::default(),
+        size.half(0),
         Hdr,
         Projection::Perspective(PerspectiveProjection {
             fov: 0.4,
@@ -40,6 +48,21 @@ fn look_at_her(mut commands: Commands) {
         Transform::default(),
         Wandering,
     ));
+    // In her eye, which is nearer than this camera draws anything.
+    commands.spawn((
+        Camera3d::default(),
+        size.half(1),
+        Hdr,
+        SeesAs(ann),
+        Transform::from_translation(PLACE),
+    ));
+}
+
+/// Her lens clouds over, in her pupil and in what she sees.
+fn cloud(mut cataracts: Query<&mut Cataract>, clock: Res<SimulationClock>) {
+    for mut cataract in &mut cataracts {
+        cataract.nuclear = (2.0 * clock.time_s).min(4.0);
+    }
 }
 
 /// The camera that walks around her.

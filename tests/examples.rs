@@ -84,11 +84,12 @@ fn whoever_grows_short_sighted_loses_the_edges() {
     assert!(found[5] < 0.7 * found[0], "{found:?}");
 }
 
-/// In the middle of the picture an eye stands: a dark pupil, blue around it, and white beside the blue.
+/// In the middle of the left half an eye stands: a dark pupil, blue around it, and white beside the blue. In the
+/// right half is what it sees, and less and less of it as the lens clouds over.
 #[test]
-fn the_eye_stands_in_the_scene() {
+fn the_eye_stands_in_the_scene_and_sees_it() {
     let _turn = turn();
-    let frames = pictures("eye_in_my_scene", 1, "320x160");
+    let frames = pictures("eye_in_my_scene", 5, "640x160");
     let picture = &frames[0];
     let count = |is: fn([f64; 3]) -> bool| {
         let middle = image::imageops::crop_imm(picture, 60, 20, 200, 120).to_image();
@@ -103,6 +104,12 @@ fn the_eye_stands_in_the_scene() {
     assert!(
         dark > 50 && blue > 200 && white > 200,
         "{dark} dark, {blue} blue, {white} white"
+    );
+    let seen = [0, 4].map(|at| image::imageops::crop_imm(&frames[at], 320, 0, 320, 160).to_image());
+    let [clear, clouded] = [&seen[0], &seen[1]].map(contrast);
+    assert!(
+        mean(&seen[0]) > 10.0 && clouded < 0.8 * clear,
+        "{clear} {clouded}"
     );
 }
 

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "no example uses all of it")]
 
+use bevy::camera::Viewport;
 use bevy::prelude::*;
 use ocularium::lab::display::require_display;
 use ocularium::lab::headless::require_device;
@@ -34,6 +35,30 @@ pub fn recording(shows: &str) -> Option<Recording> {
         std::process::exit(1);
     }
     recording
+}
+
+/// Size of the picture, pixels: that of the recording, or of the window.
+#[derive(Resource)]
+pub struct PictureSize(pub UVec2);
+
+impl PictureSize {
+    pub fn of(recording: Option<&Recording>) -> Self {
+        Self(recording.map_or(UVec2::new(1280, 720), |it| it.size))
+    }
+
+    /// A camera that draws into the left half (0) or the right one (1).
+    pub fn half(&self, index: u32) -> Camera {
+        let size = UVec2::new(self.0.x / 2, self.0.y);
+        Camera {
+            order: index as isize,
+            viewport: Some(Viewport {
+                physical_position: UVec2::new(index * size.x, 0),
+                physical_size: size,
+                ..default()
+            }),
+            ..default()
+        }
+    }
 }
 
 /// Where somebody sits in the room, and where she looks.

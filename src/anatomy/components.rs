@@ -75,15 +75,20 @@ impl Default for Patient {
         Self {
             name: "Unnamed".into(),
             description: String::new(),
-            age_years: 30.0,
+            age_years: Self::DEFAULT_AGE_YEARS,
             leading: Laterality::OD,
-            interpupillary_mm: 63.0,
+            interpupillary_mm: Self::DEFAULT_INTERPUPILLARY_MM,
             seed: 1,
         }
     }
 }
 
 impl Patient {
+    /// The age of somebody of whom nothing else is known, years.
+    pub const DEFAULT_AGE_YEARS: f64 = 30.0;
+    /// The distance between the eyes of somebody of whom nothing else is known, mm.
+    pub const DEFAULT_INTERPUPILLARY_MM: f64 = 63.0;
+
     /// Seed of the iris of one of her eyes. The irises of one person are no copies of each other.
     pub fn iris_seed(&self, eye: Laterality) -> u64 {
         match eye {
@@ -313,13 +318,18 @@ pub struct Sclera {
     pub pinguecula: f64,
 }
 
+impl Sclera {
+    /// A healthy one, slightly flushed.
+    pub const DEFAULT: Self = Self {
+        redness: 0.12,
+        bilirubin_mg_dl: 0.6,
+        pinguecula: 0.0,
+    };
+}
+
 impl Default for Sclera {
     fn default() -> Self {
-        Self {
-            redness: 0.12,
-            bilirubin_mg_dl: 0.6,
-            pinguecula: 0.0,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -333,12 +343,17 @@ pub struct Lids {
     pub droop: f64,
 }
 
+impl Lids {
+    /// Open as is usual, none hanging.
+    pub const DEFAULT: Self = Self {
+        opening: 1.0,
+        droop: 0.0,
+    };
+}
+
 impl Default for Lids {
     fn default() -> Self {
-        Self {
-            opening: 1.0,
-            droop: 0.0,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -357,11 +372,19 @@ pub struct Skin {
     pub tone: f64,
 }
 
+impl Skin {
+    /// Light skin.
+    pub const DEFAULT: Self = Self { tone: 0.3 };
+}
+
 impl Default for Skin {
     fn default() -> Self {
-        Self { tone: 0.3 }
+        Self::DEFAULT
     }
 }
+
+/// The diameters that an entrance pupil can take, mm.
+pub const PUPIL_RANGE_MM: (f64, f64) = (1.0, 9.0);
 
 /// What sets a person's pupils: light, age and focus, unless they are held. Both numbers are
 /// diameters of the entrance pupil, as it is seen and measured from in front.

@@ -56,30 +56,35 @@ pub struct Look {
     pub matcap: f64,
 }
 
+impl Look {
+    /// As anatomy and physics make it.
+    pub const DEFAULT: Self = Self {
+        iris_brightness: 1.0,
+        iris_size: 1.0,
+        iris_relief: 1.0,
+        refraction: 1.0,
+        caustic_scale: 1.0,
+        caustic_power: 1.0,
+        cornea_roughness: 0.012,
+        cornea_specularity: 1.0,
+        limbus_dark: 1.0,
+        limbus_power: 1.0,
+        limbus_color_mm: 0.9,
+        limbus_shading_mm: 0.9,
+        white_brightness: 1.0,
+        white_roughness: 0.24,
+        white_specularity: 1.0,
+        white_relief: 1.0,
+        white_relief_size: 1.0,
+        flush_radius: 1.0,
+        flush_hardness: 1.0,
+        matcap: 0.0,
+    };
+}
+
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            iris_brightness: 1.0,
-            iris_size: 1.0,
-            iris_relief: 1.0,
-            refraction: 1.0,
-            caustic_scale: 1.0,
-            caustic_power: 1.0,
-            cornea_roughness: 0.012,
-            cornea_specularity: 1.0,
-            limbus_dark: 1.0,
-            limbus_power: 1.0,
-            limbus_color_mm: 0.9,
-            limbus_shading_mm: 0.9,
-            white_brightness: 1.0,
-            white_roughness: 0.24,
-            white_specularity: 1.0,
-            white_relief: 1.0,
-            white_relief_size: 1.0,
-            flush_radius: 1.0,
-            flush_hardness: 1.0,
-            matcap: 0.0,
-        }
+        Self::DEFAULT
     }
 }
 

@@ -16,7 +16,7 @@ pub mod visual_field;
 
 pub use components::{
     Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
-    Laterality, Lens, Lids, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
+    Laterality, Lens, Lids, PUPIL_RANGE_MM, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
 };
 pub use look::Look;
 pub use media::{CAPSULE_BEAM, LENS_DISC_MM, MEASURED_PUPIL_MM, OcularMedia};

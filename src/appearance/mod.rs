@@ -11,32 +11,41 @@
 
 mod brow;
 mod canthus;
+#[doc(hidden)] // for this crate's own tests, as the modules below
 pub mod eye_camera;
 mod face_cage;
 mod face_region;
 mod globe_mesh;
 mod hair;
+#[doc(hidden)]
 pub mod illumination;
+#[doc(hidden)]
 pub mod images;
+#[doc(hidden)]
 pub mod iris_map;
 mod lashes;
 mod levels;
 pub(crate) mod lid_edges;
 mod lid_profile;
 mod lids;
+#[doc(hidden)]
 pub mod light_table;
 mod lighting;
 mod look_uniform;
+#[doc(hidden)]
 pub mod materials;
 mod mesh_fill;
 pub(crate) mod model;
 mod pose;
 mod region_parts;
+#[doc(hidden)]
 pub mod sclera_map;
+#[doc(hidden)]
 pub mod shading;
 mod skin_map;
 pub(crate) mod studio;
 mod subdivide;
+#[doc(hidden)]
 pub mod surroundings;
 mod tissue_maps;
 

@@ -324,7 +324,11 @@ fn plain(patient: &PatientFile) -> PatientFile {
 ///
 /// # Errors
 /// Without a device, or where a picture cannot be made.
-pub fn iris_pictures(patient: &PatientFile) -> Result<IrisPictures, HeadlessError> {
+pub fn iris_pictures(
+    patient: &PatientFile,
+    mut done: impl FnMut(&PictureRow, usize, usize),
+) -> Result<IrisPictures, HeadlessError> {
+    let all = LIGHTS.len() * PUPILS_MM.len() * ANGLES_DEG.len();
     let (mut rows, mut device) = (Vec::new(), String::new());
     for light in LIGHTS {
         for pupil_mm in PUPILS_MM {
@@ -340,6 +344,7 @@ pub fn iris_pictures(patient: &PatientFile) -> Result<IrisPictures, HeadlessErro
                     light: light.name(),
                     difference: compare(&picture, &drawn),
                 });
+                done(&rows[rows.len() - 1], rows.len(), all);
             }
         }
     }

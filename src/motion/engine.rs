@@ -20,13 +20,13 @@ mod state;
 use super::accommodation::{Approach, steady_response_d, step_time_constant_s};
 use super::blink::Blink;
 use super::pupil::{
-    CONSTRICTION_TIME_CONSTANT_S, Hippus, PUPIL_RANGE_MM, PupilMode, steady_diameter_mm,
-    time_constant_s,
+    CONSTRICTION_TIME_CONSTANT_S, Hippus, PupilMode, steady_diameter_mm, time_constant_s,
 };
 use super::random;
 use super::settings::{
     FixationTiming, MotionError, NIESSNER_LENS_TIME_CONSTANT_S, OculomotorSettings,
 };
+use crate::anatomy::PUPIL_RANGE_MM;
 use crate::anatomy::gaze::GazeAngles;
 use crate::anatomy::visual_field::VisualField;
 use crate::motion::attention::{self, Visit};

@@ -7,7 +7,7 @@ use super::trace::TraceRow;
 use crate::anatomy::gaze::GazeAngles;
 use crate::anatomy::{
     Accommodation, Adaptation, Cornea, Effective, Eye, EyeFinder, EyeOf, Eyelids, Eyes, Gaze, Iris,
-    Laterality, Lens, Patient, Pupil, PupilControl, Refraction, VisualField,
+    Laterality, Lens, PUPIL_RANGE_MM, Patient, Pupil, PupilControl, Refraction, VisualField,
 };
 use crate::frame::{EyeSystems, SimulationClock};
 use crate::optics::accommodation::hofstetter_amplitude_d;
@@ -227,10 +227,13 @@ fn hold_pupils(mut asked: MessageReader<MotionCommand>, mut pupils: Query<&mut P
     for command in asked.read() {
         if let MotionCommand::Pupil(held_mm) = command {
             let held_mm = *held_mm;
+            let (smallest, largest) = PUPIL_RANGE_MM;
             if let Some(diameter_mm) = held_mm
-                && !(1.0..=9.0).contains(&diameter_mm)
+                && !(smallest..=largest).contains(&diameter_mm)
             {
-                warn!("a pupil of {diameter_mm} mm is not held: 1 to 9 mm are allowed");
+                warn!(
+                    "a pupil of {diameter_mm} mm is not held: {smallest} to {largest} mm are allowed"
+                );
                 continue;
             }
             for mut control in &mut pupils {

@@ -8,9 +8,8 @@
 use std::f64::consts::TAU;
 
 use super::random;
+use crate::anatomy::PUPIL_RANGE_MM;
 
-/// The diameters that an entrance pupil can take, mm.
-pub const PUPIL_RANGE_MM: (f64, f64) = (1.0, 9.0);
 /// Time constant of constriction, s: a reflex of 2.1 mm then peaks at the measured 5.15 mm/s.
 pub const CONSTRICTION_TIME_CONSTANT_S: f64 = 0.4;
 /// Time constant of dilation, s: three times slower (Pamplona, Oliveira and Baranoski 2009).

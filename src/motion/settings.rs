@@ -6,8 +6,8 @@
 use rand::Rng;
 use thiserror::Error;
 
-use super::pupil::PUPIL_RANGE_MM;
 use super::random;
+use crate::anatomy::PUPIL_RANGE_MM;
 use crate::motion::attention::AttentionSettings;
 use crate::optics::accommodation::hofstetter_amplitude_d;
 

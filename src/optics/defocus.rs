@@ -86,11 +86,6 @@ impl PowerVector {
         self.j0_d.hypot(self.j45_d)
     }
 
-    /// Blur strength `B = √(M² + J²)` (D) of Thibos et al.: the spherical error of the same blur.
-    pub fn blur_strength_d(self) -> f64 {
-        self.m_d.hypot(self.astigmatism_d())
-    }
-
     /// The same refraction with a vergence (D) added at every meridian.
     pub fn plus_sphere(self, vergence_d: f64) -> Self {
         Self {
@@ -118,12 +113,6 @@ impl PowerVector {
         }
     }
 
-    /// Power (D) in the meridian at the angle `meridian_rad`: `S + C sin²(φ − α)`.
-    pub fn power_in_meridian_d(self, meridian_rad: f64) -> f64 {
-        let (sin, cos) = (2.0 * meridian_rad).sin_cos();
-        self.m_d + self.j0_d * cos + self.j45_d * sin
-    }
-
     /// The dioptric matrix F (D).
     pub fn dioptric_matrix(self) -> DMat2 {
         DMat2::from_cols(
@@ -143,17 +132,6 @@ impl core::ops::Add for PowerVector {
             j45_d: self.j45_d + other.j45_d,
         }
     }
-}
-
-/// An elliptical pupil.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EllipticalPupil {
-    /// Longer diameter (m).
-    pub major_m: f64,
-    /// Shorter diameter (m).
-    pub minor_m: f64,
-    /// Direction of the longer diameter (rad), in the frame of the refraction's axes.
-    pub orientation_rad: f64,
 }
 
 /// The blur of a point: a uniformly bright ellipse of visual angle.
@@ -178,11 +156,6 @@ impl BlurEllipse {
             DVec2::new(a * cos * cos + b * sin * sin, across),
             DVec2::new(across, a * sin * sin + b * cos * cos),
         )
-    }
-
-    /// Diameter (rad) of the disc of the same area.
-    pub fn equivalent_diameter_rad(self) -> f64 {
-        (self.major_rad * self.minor_rad).sqrt()
     }
 }
 
@@ -256,37 +229,6 @@ pub fn defocus_blur_covariance(
     let yy = pupil * (error.m_d - error.j0_d);
     let xy = pupil * error.j45_d;
     DVec3::new(xx * xx + xy * xy, xy * (xx + yy), yy * yy + xy * xy)
-}
-
-/// The blur ellipse through an elliptical pupil: the pupil's ellipse, deformed by the dioptric
-/// matrix of the error.
-pub fn defocus_blur_ellipse_through(
-    pupil: EllipticalPupil,
-    distance_vergence_d: f64,
-    focus_vergence_d: f64,
-    refraction: PowerVector,
-) -> BlurEllipse {
-    let error = defocus_error(distance_vergence_d, focus_vergence_d, refraction).dioptric_matrix();
-    let (major, minor) = (sane_pupil(pupil.major_m), sane_pupil(pupil.minor_m));
-    let (sin, cos) = clamp_or(pupil.orientation_rad, -1e9, 1e9, 0.0).sin_cos();
-    // Half-diameters as columns: the ellipse is what the matrix makes of the unit disc.
-    let along = error * (DVec2::new(cos, sin) * major);
-    let across = error * (DVec2::new(-sin, cos) * minor);
-    // Axes of the image of the unit disc (singular values), from the sum and the difference of the
-    // matrix and its rotated self: no difference of nearly equal squares.
-    let sum = DVec2::new(along.x + across.y, along.y - across.x);
-    let difference = DVec2::new(along.x - across.y, along.y + across.x);
-    let (p, q) = (0.5 * sum.length(), 0.5 * difference.length());
-    let orientation = 0.5 * (sum.y.atan2(sum.x) + difference.y.atan2(difference.x));
-    BlurEllipse {
-        major_rad: p + q,
-        minor_rad: (p - q).abs(),
-        orientation_rad: if p > 0.0 && q > 0.0 {
-            half_turn(orientation)
-        } else {
-            0.0
-        },
-    }
 }
 
 fn sane_pupil(pupil_m: f64) -> f64 {

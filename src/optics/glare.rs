@@ -1,7 +1,7 @@
 //! Glare: how the eye's media scatter the light of a source over the retina.
 //!
 //! In: the angle from the source (rad), age (years), pigmentation of the eye. Out: the spread
-//! function (sr⁻¹), its energy within any cone, the veiling luminance, the straylight parameter.
+//! function (sr⁻¹), its energy within any cone and the straylight parameter.
 //!
 //! The total glare function of CIE 135/1-1999 (Vos & van den Berg, *Report on disability glare*,
 //! the complete equation; also equation 2 of McCann & Vonikakis 2018, Front. Psychol. 8:2079), with
@@ -76,23 +76,6 @@ impl Glare {
     pub fn new(age_years: f64, pigment: f64) -> Self {
         let a = (clamp_or(age_years, 1.0, 110.0, STANDARD_AGE_YEARS) / 70.0).powi(4);
         Self::with_age_factor(a, pigment)
-    }
-
-    /// The eye whose straylight parameter at `theta_rad` has the measured decimal logarithm
-    /// `log_straylight`, as an eye with a cataract; meant for the angles of straylight meters, 3 to
-    /// 30°. It scatters like the published eye of the age that fits, also beyond 110 years. The
-    /// measured value is met exactly within 0.82 to 1.94 (at 7° and pigment 0.5: from a newborn to
-    /// thirteen times the scatter of a young eye), and the nearer limit holds outside.
-    pub fn from_straylight(log_straylight: f64, theta_rad: f64, pigment: f64) -> Self {
-        let young = Self::with_age_factor(0.0, pigment);
-        let older = Self::with_age_factor(1.0, pigment);
-        // The straylight parameter is linear in a.
-        let (base, slope) = (
-            young.straylight(theta_rad),
-            older.straylight(theta_rad) - young.straylight(theta_rad),
-        );
-        let wanted = (10.0_f64.powf(log_straylight) - base) / slope;
-        Self::with_age_factor(clamp_or(wanted, 0.0, 12.0, 0.0), pigment)
     }
 
     fn with_age_factor(a: f64, pigment: f64) -> Self {
@@ -198,12 +181,6 @@ impl Glare {
         t.exp()
     }
 
-    /// Veiling luminance (cd/m²) at `theta_rad` from a source that throws `illuminance_lx` on the
-    /// eye's pupil. An illuminance that is negative or not a number counts as 0.
-    pub fn veiling_luminance(self, illuminance_lx: f64, theta_rad: f64) -> f64 {
-        illuminance_lx.max(0.0) * self.spread(theta_rad)
-    }
-
     /// The straylight parameter `s = θ² L_eq/E` (deg² sr⁻¹) of van den Berg, which instruments
     /// measure at 7 to 10°.
     pub fn straylight(self, theta_rad: f64) -> f64 {
@@ -246,11 +223,6 @@ impl Glare {
         let theta = if theta_rad.is_nan() { PI } else { theta_rad };
         self.straylight(theta.abs().max(1e-9)).log10()
     }
-}
-
-/// [`Glare::spread`] of the eye of `age_years` and `pigment` at `theta_rad`, sr⁻¹.
-pub fn glare_spread(theta_rad: f64, age_years: f64, pigment: f64) -> f64 {
-    Glare::new(age_years, pigment).spread(theta_rad)
 }
 
 /// Stiles and Holladay's `10/θ²` (sr⁻¹), θ in degrees, stated for 1 to 30° and a young eye: half of

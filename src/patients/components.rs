@@ -144,6 +144,9 @@ impl PatientFile {
                 iris,
                 lids,
             });
+            if self.of_eye(laterality).lid_opening == 0.0 {
+                remarks.push("the lids are shut (lid_opening 0), and what is seen is black".into());
+            }
             remarks.extend(self.of_eye(laterality).cut_blur());
             if !look.is_neutral() {
                 remarks.push(self.of_eye(laterality).artists_choices());

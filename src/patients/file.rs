@@ -3,7 +3,7 @@
 //! Enters: the table below. Leaves: [`PatientFile`] (what both eyes share, and what one of them has
 //! otherwise), and [`FIELDS`], which checks, controls and the README's table are made from.
 
-use crate::anatomy::{IrisColor, Laterality};
+use crate::anatomy::{IrisColor, Laterality, Lids, Look, PUPIL_RANGE_MM, Patient, Sclera, Skin};
 use crate::conditions::{Affected, Condition, with_conditions};
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -85,8 +85,8 @@ macro_rules! patient_file {
         conditions { $($condition:ident : $condition_type:ty, $condition_meaning:literal;)+ }
         texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr, $text_allowed:literal;)+ }
         eye_choices { $($(#[$choice_doc:meta])* $choice:ident : $choice_type:ty = $choice_default:expr, $choice_allowed:literal;)+ }
-        numbers { $($number:ident = $number_default:literal, $number_low:literal to $number_high:literal, $number_unit:literal, $number_meaning:literal;)+ }
-        eye_numbers { $($eye:ident = $eye_default:literal, $eye_low:literal to $eye_high:literal, $eye_unit:literal, $eye_meaning:literal;)+ }
+        numbers { $($number:ident = $number_default:expr, $number_low:literal to $number_high:literal, $number_unit:literal, $number_meaning:literal;)+ }
+        eye_numbers { $($eye:ident = $eye_default:expr, $eye_low:literal to $eye_high:literal, $eye_unit:literal, $eye_meaning:literal;)+ }
         eye_options { $($option:ident, $option_low:literal to $option_high:literal, $option_unit:literal, $option_meaning:literal;)+ }
         eye_pairs { $($pair:ident = $pair_default:expr, $pair_low:literal to $pair_high:literal, $pair_unit:literal, $pair_meaning:literal, $pair_second:literal;)+ }
     ) => {
@@ -338,7 +338,7 @@ macro_rules! patient_file {
                 get: |file| Some(file.$pair[1]), set: |file, value| file.$pair[1] = value,
             },)+
             Field {
-                name: "pupil", index: 0, range: (1.0, 9.0),
+                name: "pupil", index: 0, range: PUPIL_RANGE_MM,
                 unit: "mm", meaning: "diameter at which the entrance pupil is held", per_eye: false,
                 get: |file| file.pupil.diameter_mm(), set: |file, value| file.pupil = PupilSetting::Fixed(value),
             },
@@ -364,9 +364,9 @@ with_conditions! { patient_file! {
         iris_color: IrisColor = IrisColor::Brown, "Blue, Green or Brown";
     }
     numbers {
-        age_years = 30.0, 1 to 110, "years", "age";
-        interpupillary_mm = 63.0, 40 to 80, "mm", "distance between the eyes";
-        skin_tone = 0.3, 0 to 1, "", "tone of the skin, very light to very dark";
+        age_years = Patient::DEFAULT_AGE_YEARS, 1 to 110, "years", "age";
+        interpupillary_mm = Patient::DEFAULT_INTERPUPILLARY_MM, 40 to 80, "mm", "distance between the eyes";
+        skin_tone = Skin::DEFAULT.tone, 0 to 1, "", "tone of the skin, very light to very dark";
         starve_rate_per_s = 0.45, 0 to 10, "/s", "how fast remembered sharpness fades";
         voxel_mm = 10.0, 1 to 1000, "mm", "edge of a voxel of that memory";
         blur_cap_arcmin = 120.0, 10 to 600, "′", "largest blur that is shown";
@@ -389,30 +389,30 @@ with_conditions! { patient_file! {
         iris_sector_at_deg = 270.0, 0 to 360, "°", "middle of that sector, counted as axes are";
         scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
         lipid_thickness_nm = 55.0, 0 to 200, "nm", "oily layer of the tear film";
-        redness = 0.12, 0 to 1, "", "redness of the conjunctiva";
-        bilirubin_mg_dl = 0.6, 0 to 50, "mg/dL", "bilirubin in the serum; from 2.5 the white is yellow";
-        pinguecula = 0.0, 0 to 1, "", "yellow, raised tissue beside the limbus";
-        lid_opening = 1.0, 0 to 1.2, "", "how far the lids open; 1 is usual";
-        look_iris_brightness = 1.0, 0 to 4, "", "artist's: brightness of the iris, against its own";
-        look_iris_size = 1.0, 0.8 to 1.25, "", "artist's: size of iris and pupil as a pattern, against their own";
-        look_iris_relief = 1.0, 0 to 3, "", "artist's: relief of the iris, against its own";
-        look_refraction = 1.0, 0 to 1, "", "artist's: how much of the view's refraction there is";
-        look_caustic_scale = 1.0, 0 to 4, "", "artist's: how much the cornea concentrates light on the iris, against what is computed";
-        look_caustic_power = 1.0, 0.25 to 4, "", "artist's: power of that concentration";
-        look_cornea_roughness = 0.012, 0 to 1, "", "artist's: roughness of the cornea's reflection";
-        look_cornea_specularity = 1.0, 0 to 4, "", "artist's: strength of the cornea's reflection, against its own";
-        look_limbus_dark = 1.0, 0 to 4, "", "artist's: how dark the limbal ring is, against its own";
-        look_limbus_power = 1.0, 0.25 to 4, "", "artist's: power of that ring's profile";
-        look_limbus_color_mm = 0.9, 0.1 to 1.1, "mm", "artist's: width over which iris goes over into white";
-        look_limbus_shading_mm = 0.9, 0.05 to 1.1, "mm", "artist's: width over which the cornea's shape goes over into the white's";
-        look_white_brightness = 1.0, 0 to 4, "", "artist's: brightness of the white, against its own";
-        look_white_roughness = 0.24, 0.02 to 1, "", "artist's: roughness of the wet white";
-        look_white_specularity = 1.0, 0 to 4, "", "artist's: strength of its reflections, against their own";
-        look_white_relief = 1.0, 0 to 4, "", "artist's: relief of the wet white, against its own";
-        look_white_relief_size = 1.0, 0.25 to 4, "", "artist's: size of that relief, against its own";
-        look_flush_radius = 1.0, 0.5 to 1.5, "", "artist's: how far from the cornea the white turns pink, against its own";
-        look_flush_hardness = 1.0, 0.25 to 4, "", "artist's: how sharply it does, against its own";
-        look_matcap = 0.0, 0 to 1, "", "artist's: strength of a reflection that follows the camera";
+        redness = Sclera::DEFAULT.redness, 0 to 1, "", "redness of the conjunctiva";
+        bilirubin_mg_dl = Sclera::DEFAULT.bilirubin_mg_dl, 0 to 50, "mg/dL", "bilirubin in the serum; from 2.5 the white is yellow";
+        pinguecula = Sclera::DEFAULT.pinguecula, 0 to 1, "", "yellow, raised tissue beside the limbus";
+        lid_opening = Lids::DEFAULT.opening, 0 to 1.2, "", "how far the lids open; 1 is usual";
+        look_iris_brightness = Look::DEFAULT.iris_brightness, 0 to 4, "", "artist's: brightness of the iris, against its own";
+        look_iris_size = Look::DEFAULT.iris_size, 0.8 to 1.25, "", "artist's: size of iris and pupil as a pattern, against their own";
+        look_iris_relief = Look::DEFAULT.iris_relief, 0 to 3, "", "artist's: relief of the iris, against its own";
+        look_refraction = Look::DEFAULT.refraction, 0 to 1, "", "artist's: how much of the view's refraction there is";
+        look_caustic_scale = Look::DEFAULT.caustic_scale, 0 to 4, "", "artist's: how much the cornea concentrates light on the iris, against what is computed";
+        look_caustic_power = Look::DEFAULT.caustic_power, 0.25 to 4, "", "artist's: power of that concentration";
+        look_cornea_roughness = Look::DEFAULT.cornea_roughness, 0 to 1, "", "artist's: roughness of the cornea's reflection";
+        look_cornea_specularity = Look::DEFAULT.cornea_specularity, 0 to 4, "", "artist's: strength of the cornea's reflection, against its own";
+        look_limbus_dark = Look::DEFAULT.limbus_dark, 0 to 4, "", "artist's: how dark the limbal ring is, against its own";
+        look_limbus_power = Look::DEFAULT.limbus_power, 0.25 to 4, "", "artist's: power of that ring's profile";
+        look_limbus_color_mm = Look::DEFAULT.limbus_color_mm, 0.1 to 1.1, "mm", "artist's: width over which iris goes over into white";
+        look_limbus_shading_mm = Look::DEFAULT.limbus_shading_mm, 0.05 to 1.1, "mm", "artist's: width over which the cornea's shape goes over into the white's";
+        look_white_brightness = Look::DEFAULT.white_brightness, 0 to 4, "", "artist's: brightness of the white, against its own";
+        look_white_roughness = Look::DEFAULT.white_roughness, 0.02 to 1, "", "artist's: roughness of the wet white";
+        look_white_specularity = Look::DEFAULT.white_specularity, 0 to 4, "", "artist's: strength of its reflections, against their own";
+        look_white_relief = Look::DEFAULT.white_relief, 0 to 4, "", "artist's: relief of the wet white, against its own";
+        look_white_relief_size = Look::DEFAULT.white_relief_size, 0.25 to 4, "", "artist's: size of that relief, against its own";
+        look_flush_radius = Look::DEFAULT.flush_radius, 0.5 to 1.5, "", "artist's: how far from the cornea the white turns pink, against its own";
+        look_flush_hardness = Look::DEFAULT.flush_hardness, 0.25 to 4, "", "artist's: how sharply it does, against its own";
+        look_matcap = Look::DEFAULT.matcap, 0 to 1, "", "artist's: strength of a reflection that follows the camera";
     }
     eye_options {
         stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";

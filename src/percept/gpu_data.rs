@@ -248,12 +248,12 @@ pub struct PhotoUniform {
     pub flat_m: f32,
     /// View +z.
     pub back: [f32; 3],
-    /// Nothing.
-    pub unused: f32,
+    /// Of its distance, by how much a surface may step over one texel and still be one.
+    pub step_share: f32,
     /// The eye, m.
     pub eye_m: [f32; 3],
     /// Nothing.
-    pub unused_too: f32,
+    pub unused: f32,
 }
 
 /// Slots (a power of two) that keep the table's load at or under 60 % when a view of `pixels` is
@@ -390,7 +390,7 @@ pub(in crate::percept) mod tests {
         assert_eq!(
             found,
             same!(
-                right, has_moved, up, flat_m, back, unused, eye_m, unused_too
+                right, has_moved, up, flat_m, back, step_share, eye_m, unused
             )
         );
         assert_eq!(span, size_of::<PhotoUniform>());

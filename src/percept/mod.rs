@@ -13,6 +13,7 @@
 mod capture;
 mod field;
 mod frame;
+#[doc(hidden)] // for this crate's own tests, as the modules below
 pub mod gpu_data;
 mod pass;
 pub(crate) mod places;
@@ -24,10 +25,13 @@ mod view;
 
 pub use capture::fast;
 pub use capture::sight::SceneChanges;
-pub use field::{SharpnessField, sharpness_field};
-pub use frame::{CaptureResult, PerceptFrame};
+pub use field::SharpnessField;
+#[doc(hidden)]
+pub use field::sharpness_field;
+pub(crate) use frame::PerceptFrame;
+#[doc(hidden)]
 pub use present::{gather, gather_ellipse, veil};
-pub use sees_as::{SeesAs, Worn};
+pub use sees_as::SeesAs;
 pub use view::{NEAR_M, Percept, ViewOptions};
 
 use crate::frame::EyeSystems;

@@ -325,7 +325,7 @@ fn walk(
     unit_m: f32,
     scene: &mut SceneModel,
 ) -> Result<Option<EyePlacement>, SceneError> {
-    let mut course = read_course(document, source)?;
+    let mut course = read_course(document, source);
     scene.remarks.append(&mut course.remarks);
     // All places first: a skin's joints may come after its mesh.
     let base = Mat4::from_scale(Vec3::splat(unit_m));

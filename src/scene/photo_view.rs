@@ -1,7 +1,7 @@
 //! A photograph as the two images that the view is captured from: colour and vergence at the
 //! panel's size. All of it is in the view; what the panel has beside it is dark.
 
-use super::photo::PhotoScene;
+use super::photo::{PhotoDepth, PhotoScene};
 use bevy::asset::RenderAssetUsages;
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -34,6 +34,60 @@ fn scale_of(source: Vec2, size: Vec2, tan_half_height: f32) -> f32 {
     sides.max_element().min(widest).max(sides.min_element())
 }
 
+/// Of its distance, by how much a surface may step over one texel of a panel and still be one: what lies flat
+/// before the eye steps by this much only far out.
+pub const STEP_SHARE: f32 = 0.1;
+
+/// Texels over which the edge of a thing may be smeared in a depth image.
+const WIDEST_EDGE: usize = 4;
+
+/// Takes texels that float between two surfaces to whichever of them is nearer in dioptres: depth images are made
+/// with soft edges, and there is nothing at such a distance. Row by row and column by column.
+fn sharpen_edges(vergences: &mut [f32], size: UVec2) {
+    let (width, height) = (size.x as usize, size.y as usize);
+    let mut line = Vec::new();
+    let mut along = |count: usize, start: usize, stride: usize| {
+        line.clear();
+        line.extend((0..count).map(|i| vergences[start + i * stride]));
+        sharpen_line(&mut line);
+        for (i, vergence) in line.iter().enumerate() {
+            vergences[start + i * stride] = *vergence;
+        }
+    };
+    for y in 0..height {
+        along(width, y * width, 1);
+    }
+    for x in 0..width {
+        along(height, x, width);
+    }
+}
+
+/// [`sharpen_edges`] of one line.
+fn sharpen_line(line: &mut [f32]) {
+    // Steps are shares of distances as of vergences.
+    let steps = |a: f32, b: f32| (a - b).abs() > STEP_SHARE * a.max(b);
+    let mut at = 1;
+    while at < line.len() {
+        // A run of steps that go one way.
+        let first = at - 1;
+        let rises = line[at] > line[first];
+        let goes_on = |i: usize| steps(line[i], line[i - 1]) && (line[i] > line[i - 1]) == rises;
+        let mut end = at;
+        while end < line.len() && goes_on(end) {
+            end += 1;
+        }
+        let between = end.saturating_sub(at + 1);
+        if (1..=WIDEST_EDGE).contains(&between) {
+            let ends = [line[first], line[end - 1]];
+            for vergence in &mut line[at..end - 1] {
+                let is_first = (*vergence - ends[0]).abs() <= (*vergence - ends[1]).abs();
+                *vergence = if is_first { ends[0] } else { ends[1] };
+            }
+        }
+        at = end.max(at + 1);
+    }
+}
+
 /// Colour (RGBA16F, linear) of the photograph's picture of this index, vergence (R32F, 1/m), and the angle (degrees)
 /// that the panel's smaller side now spans.
 pub fn photo_images(photo: &PhotoScene, picture: usize, size: UVec2) -> (Image, Image, f32) {
@@ -44,7 +98,7 @@ pub fn photo_images(photo: &PhotoScene, picture: usize, size: UVec2) -> (Image, 
     let corner = (source - crop) * 0.5;
     let codes = photo.picture(picture);
     let mut colour = Vec::with_capacity((size.x * size.y * 8) as usize);
-    let mut vergence = Vec::with_capacity((size.x * size.y * 4) as usize);
+    let mut vergences = Vec::with_capacity((size.x * size.y) as usize);
     for y in 0..size.y {
         for x in 0..size.x {
             let low = corner + Vec2::new(x as f32, y as f32) * scale;
@@ -64,9 +118,13 @@ pub fn photo_images(photo: &PhotoScene, picture: usize, size: UVec2) -> (Image, 
             } else {
                 0.0
             };
-            vergence.extend_from_slice(&value.to_le_bytes());
+            vergences.push(value);
         }
     }
+    if !matches!(photo.depth_m, PhotoDepth::Constant(_)) {
+        sharpen_edges(&mut vergences, size);
+    }
+    let vergence = vergences.into_iter().flat_map(f32::to_le_bytes).collect();
     let half = full_half * crop.min_element() / source.y;
     (
         image(size, TextureFormat::Rgba16Float, colour),
@@ -116,8 +174,42 @@ fn image(size: UVec2, format: TextureFormat, data: Vec<u8>) -> Image {
 
 #[cfg(test)]
 mod tests {
-    use super::super::photo::PhotoDepth;
     use super::*;
+
+    #[test]
+    fn a_soft_edge_becomes_a_step_and_a_slope_stays_one() {
+        let sharpened = |line: &[f32]| {
+            let mut line = line.to_vec();
+            sharpen_line(&mut line);
+            line
+        };
+        for (soft, sharp) in [
+            // A smeared edge, whichever way.
+            (vec![2.0, 2.0, 1.1, 0.5, 0.5], vec![2.0, 2.0, 0.5, 0.5, 0.5]),
+            (
+                vec![0.0, 0.1, 0.8, 1.5, 1.8, 1.8],
+                vec![0.0, 0.0, 0.0, 1.8, 1.8, 1.8],
+            ),
+            // What is an edge already, a floor that recedes, and a thin thing before another stay.
+            (vec![2.0, 2.0, 0.5, 0.5], vec![2.0, 2.0, 0.5, 0.5]),
+            (vec![1.0, 0.95, 0.9, 0.85], vec![1.0, 0.95, 0.9, 0.85]),
+            (vec![0.5, 2.0, 0.5], vec![0.5, 2.0, 0.5]),
+            // So does a surface that is seen this much aside over more texels than an edge has.
+            (
+                vec![4.0, 3.0, 2.2, 1.6, 1.2, 0.9, 0.6],
+                vec![4.0, 3.0, 2.2, 1.6, 1.2, 0.9, 0.6],
+            ),
+        ] {
+            assert_eq!(sharpened(&soft), sharp, "{soft:?}");
+        }
+        // Of every line a texel has one of the line's own distances, and ends stay.
+        let mut both = vec![2.0, 2.0, 2.0, 2.0, 1.2, 0.9, 2.0, 0.9, 0.5];
+        sharpen_edges(&mut both, UVec2::splat(3));
+        assert!(
+            both.iter().all(|vergence| [2.0, 0.5].contains(vergence)),
+            "{both:?}"
+        );
+    }
 
     fn white(width: u32, height: u32, vertical_fov_deg: f32) -> PhotoScene {
         PhotoScene {

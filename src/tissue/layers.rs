@@ -189,32 +189,6 @@ pub fn stack_reflect_once(layers: &[Layer], cos_in: f64, cos_out: f64, cos_scatt
     sum / (cos_in * cos_out)
 }
 
-/// BTDF (sr⁻¹) of a stack for light scattered once: as [`stack_reflect_once`], leaving behind the
-/// stack. The light that passes unscattered ([`stack_transmittance`]) is not in it.
-pub fn stack_transmit_once(layers: &[Layer], cos_in: f64, cos_out: f64, cos_scatter: f64) -> f64 {
-    let (Some(cos_in), Some(cos_out)) = (crossing(cos_in), crossing(cos_out)) else {
-        return 0.0;
-    };
-    let (mut above, mut below) = (0.0, stack_optical_depth(layers));
-    let mut sum = 0.0;
-    for layer in layers {
-        let layer = layer.clamped();
-        let own = layer.optical_depth();
-        let first = above / cos_in + below / cos_out;
-        above += own;
-        // Not below 0 by the rounding of the sum.
-        below = (below - own).max(0.0);
-        if layer.scattering > 0.0 {
-            let last = above / cos_in + below / cos_out;
-            sum += layer.scattering
-                * layer.thickness_mm
-                * layer.phase.value(cos_scatter)
-                * mean_transmittance(first, last);
-        }
-    }
-    sum / (cos_in * cos_out)
-}
-
 /// Gauss–Legendre rule for 0…1, 16 points; symmetric, so half of it: distance from ½ and weight.
 #[rustfmt::skip]
 const HALF_RULE: [(f64, f64); 8] = [

@@ -66,15 +66,6 @@ pub struct RandomWalk {
 }
 
 impl RandomWalk {
-    /// Share of the reflected light that was scattered exactly once; 0 where none is reflected.
-    pub fn single_scattering_share(&self) -> f64 {
-        if self.reflectance.mean > 0.0 {
-            self.reflected_by_order[0].mean / self.reflectance.mean
-        } else {
-            0.0
-        }
-    }
-
     /// Reflected, passed, absorbed and unfinished light together: 1, to rounding.
     pub fn total(&self) -> f64 {
         let absorbed: f64 = self.absorbed.iter().map(|layer| layer.mean).sum();

@@ -6,6 +6,7 @@ mod chosen;
 use super::pictures::bars;
 use super::state::{Controlled, GazeMode, UiState};
 use super::{OwnScene, Request, Saved};
+use crate::anatomy::PUPIL_RANGE_MM;
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
 use crate::stage::{PanelLight, SessionCommand};
@@ -152,7 +153,7 @@ fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
         // The number beside it must not be pushed out.
         let number = if state.touch { 84.0 } else { 66.0 };
         ui.spacing_mut().slider_width = (ui.available_width() - number).clamp(40.0, 130.0);
-        let slider = egui::Slider::new(&mut diameter, 1.0..=9.0)
+        let slider = egui::Slider::new(&mut diameter, PUPIL_RANGE_MM.0..=PUPIL_RANGE_MM.1)
             .suffix(" mm")
             .fixed_decimals(1);
         ui.add_enabled(held, slider);

@@ -9,6 +9,7 @@ mod patient;
 
 pub use patient::changes;
 
+use crate::anatomy::PUPIL_RANGE_MM;
 use crate::anatomy::gaze::GazeAngles;
 use crate::appearance::EyeOrbit;
 use crate::patients::{PRESETS, PatientFile, load_patient};
@@ -299,7 +300,7 @@ impl LinkState {
                 }
                 None => refuse(&PanelLight::ALL.map(PanelLight::name).join(", ")),
             },
-            "pupil_mm" => match number(1.0, 9.0) {
+            "pupil_mm" => match number(PUPIL_RANGE_MM.0, PUPIL_RANGE_MM.1) {
                 Some(pupil_mm) => {
                     self.held_pupil_mm = Some(pupil_mm);
                     Ok(())

@@ -9,9 +9,9 @@ struct PhotoUniform {
     up: vec3<f32>,      // view +y
     flat_m: f32,        // distance of all of it; 0: by its map
     back: vec3<f32>,    // view +z
-    unused: f32,
+    step_share: f32,    // of its distance, by how much a surface may step over one texel and still be one
     eye_m: vec3<f32>,   // the eye
-    unused_too: f32,
+    unused: f32,
 };
 
 @group(0) @binding(1) var photo_colour: texture_2d<f32>;
@@ -26,11 +26,9 @@ const NEAREST_D: f32 = 20.0;
 const FARTHEST_D: f32 = 1e-6;
 const STEPS: u32 = 160u;
 const HALVINGS: u32 = 10u;
-// Of its distance, by how much a surface may step over one of the photograph's texels and still be one: what
-// lies flat before the eye steps by this much only far out.
-const STEP_SHARE: f32 = 0.1;
 
-// What a ray meets: at which distance from the eye (0: nothing), and where on the photograph, in texels.
+// What a ray meets: at which distance from the eye (0: nothing), and where on the photograph, in texels
+// (negative: what is there is not in the photograph).
 struct Met {
     distance_m: f32,
     place: vec2<f32>,
@@ -66,27 +64,34 @@ fn depth_behind(point: vec3<f32>) -> f32 {
     return length(point) - distance_at(place);
 }
 
-// All of it at one distance from where it was taken.
-fn meet_sphere(direction: vec3<f32>, radius: f32) -> Met {
+// Distance from the eye to where a ray leaves the sphere of this radius about where the photograph was taken
+// or, from outside, enters it; 0: it does not.
+fn sphere_distance(direction: vec3<f32>, radius: f32) -> f32 {
     let along = dot(photo.eye_m, direction);
     let inside = radius * radius - dot(photo.eye_m, photo.eye_m);
     let square = along * along + inside;
     // Who has stepped back out of it looks through its open side.
     if square <= 0.0 || (inside <= 0.0 && along >= 0.0) {
-        return Met(0.0, vec2<f32>(0.0));
+        return 0.0;
     }
     // Without the difference of two large numbers.
     let root = sqrt(square);
-    let distance = select(inside / (root + along), root - along, along < 0.0);
+    return select(inside / (root + along), root - along, along < 0.0);
+}
+
+// All of it at one distance from where it was taken.
+fn meet_sphere(direction: vec3<f32>, radius: f32) -> Met {
+    let distance = sphere_distance(direction, radius);
     let place = place_of(photo.eye_m + distance * direction);
     return Met(select(0.0, distance, is_inside(place)), place);
 }
 
 // The first surface of its map that a ray meets from before. What goes in behind a nearer thing comes out
-// again beside it, or is not in the photograph.
+// again beside it, or is not in the photograph: then it is taken to be as far as what is seen beside that thing.
 fn meet_map(direction: vec3<f32>) -> Met {
     var before_d = NEAREST_D;
     var before = depth_behind(photo.eye_m + direction / before_d);
+    var hidden_m = 0.0;
     for (var k = 1u; k <= STEPS; k++) {
         let share = 1.0 - f32(k) / f32(STEPS);
         let at_d = max(NEAREST_D * share * share, FARTHEST_D);
@@ -108,8 +113,12 @@ fn meet_map(direction: vec3<f32>) -> Met {
                 }
             }
             let point = photo.eye_m + direction / far_d;
-            if far - near <= STEP_SHARE * length(point) {
+            if far - near <= photo.step_share * length(point) {
                 return Met(1.0 / far_d, place_of(point));
+            }
+            let beside = place_of(photo.eye_m + direction / near_d);
+            if hidden_m == 0.0 && is_inside(beside) {
+                hidden_m = sphere_distance(direction, distance_at(beside));
             }
         }
         before_d = at_d;
@@ -120,7 +129,7 @@ fn meet_map(direction: vec3<f32>) -> Met {
     if before < 0.0 && is_inside(place) && distance_at(place) >= 0.5 * FARTHEST_M {
         return Met(FARTHEST_M, place);
     }
-    return Met(0.0, vec2<f32>(0.0));
+    return Met(hidden_m, vec2<f32>(-1.0));
 }
 
 // Colour between the texels that show the surface on which `place` lies, at this distance from where the
@@ -136,7 +145,7 @@ fn colour_between(place: vec2<f32>, from_m: f32) -> vec3<f32> {
         let weights = select(1.0 - share, share, off == vec2<i32>(1));
         let texel = clamp(corner + off, vec2<i32>(0), last);
         let distance = distance_at(vec2<f32>(texel));
-        if abs(distance - from_m) <= STEP_SHARE * max(distance, from_m) {
+        if abs(distance - from_m) <= photo.step_share * max(distance, from_m) {
             let colour = safe_radiance(textureLoad(photo_colour, texel, 0).rgb);
             sum += weights.x * weights.y * vec4<f32>(colour, 1.0);
         }
@@ -177,6 +186,11 @@ fn capture_photo(@builtin(global_invocation_id) id: vec3<u32>) {
         write_view(pixel, vec3<f32>(0.0), 0.0);
         return;
     }
+    let vergence = select(1.0 / met.distance_m, 0.0, met.distance_m >= 0.5 * FARTHEST_M);
+    if met.place.x < 0.0 {
+        write_view(pixel, vec3<f32>(0.0), vergence);
+        return;
+    }
     // A pixel's light: the same surface in the directions of its quarters.
     var colour = vec3<f32>(0.0);
     let from_m = distance_at(met.place);
@@ -185,5 +199,5 @@ fn capture_photo(@builtin(global_invocation_id) id: vec3<u32>) {
         let place = place_of(photo.eye_m + met.distance_m * direction_of(centre + quarter));
         colour += 0.25 * colour_between(select(met.place, place, is_inside(place)), from_m);
     }
-    write_view(pixel, colour, select(1.0 / met.distance_m, 0.0, met.distance_m >= 0.5 * FARTHEST_M));
+    write_view(pixel, colour, vergence);
 }

@@ -170,10 +170,10 @@ impl StageArg {
 #[derive(Clone, Copy, ValueEnum)]
 pub(super) enum EyeArg {
     /// The right eye.
-    #[value(name = "OD")]
+    #[value(name = "OD", alias = "right")]
     Right,
     /// The left eye.
-    #[value(name = "OS")]
+    #[value(name = "OS", alias = "left")]
     Left,
 }
 
@@ -272,6 +272,9 @@ pub(super) struct MeasureArgs {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
     #[arg(long, default_value = "healthy-brown", value_name = "P")]
     pub(super) patient: PathBuf,
+    /// The eye that is measured, right or left; as the patient's file says without it.
+    #[arg(long, value_enum, value_name = "EYE", ignore_case = true)]
+    pub(super) eye: Option<EyeArg>,
     /// A file for the table in place of standard output; its folder is made if it is not there.
     #[arg(long, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,

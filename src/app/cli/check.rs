@@ -76,7 +76,12 @@ pub(super) fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
         Laterality::OD => "right",
         Laterality::OS => "left",
     };
-    let mut person = vec![format!("{} years", patient.age_years)];
+    let years = if patient.age_years == 1.0 {
+        "year"
+    } else {
+        "years"
+    };
+    let mut person = vec![format!("{} {years}", patient.age_years)];
     person.extend(unusual(patient, false));
     let mut lines = vec![format!(
         "{file} is sound: {}, {}; the {leading} eye leads.",

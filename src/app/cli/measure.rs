@@ -12,13 +12,22 @@ use std::error::Error;
 use std::path::Path;
 
 pub(super) fn measure_command(arguments: &MeasureArgs) -> Result<(), Box<dyn Error>> {
-    let patient = load_patient(&arguments.patient)?;
+    let mut patient = load_patient(&arguments.patient)?;
+    if let Some(eye) = arguments.eye {
+        patient.eye = eye.laterality();
+    }
     let measured = || -> Result<(&str, String), Box<dyn Error>> {
         Ok(match arguments.table {
             Measured::Table(table) => (table.name(), measure(table, &measured_eye(&patient))?),
             Measured::Looks => ("looks", serde_json::to_string_pretty(&looks(&patient)?)?),
             Measured::IrisPicture => {
-                let pictures = iris_pictures(&patient)?;
+                // Minutes of work, on a processor.
+                let pictures = iris_pictures(&patient, |row, of, all| {
+                    inform(&format!(
+                        "iris-picture {of} of {all}: light {}, pupil {} mm, {}°",
+                        row.light, row.pupil_mm, row.angle_deg
+                    ));
+                })?;
                 ("iris-picture", serde_json::to_string_pretty(&pictures)?)
             }
         })

@@ -104,6 +104,11 @@ pub(super) fn parse_span(text: &str) -> Result<Span, String> {
             Err(wrong())
         };
     }
+    if text.trim().parse::<f32>().is_ok() {
+        return Err(format!(
+            "{text:?} has no unit: a height is an angle such as 20deg (1 to 120) or a length such as 21cm"
+        ));
+    }
     let with_unit = text.trim().ends_with('m');
     match parse_length(text) {
         Ok(length_m) if with_unit && length_m.is_finite() => Ok(Span::Metres(length_m)),

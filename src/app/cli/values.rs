@@ -53,7 +53,9 @@ pub(super) fn parse_scene_fps(text: &str) -> Result<f32, String> {
 }
 
 pub(super) fn parse_distance(text: &str) -> Result<f32, String> {
-    text.parse::<f32>()
+    let text_mm = text.trim().strip_suffix("mm").unwrap_or(text).trim();
+    text_mm
+        .parse::<f32>()
         .ok()
         .filter(|value| (35.0..=400.0).contains(value))
         .ok_or_else(|| format!("{text:?} is not a distance of 35 to 400 mm"))

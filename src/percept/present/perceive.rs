@@ -16,6 +16,7 @@ use crate::frame::readiness::Readiness;
 use crate::frame::{Panel, SimulationClock};
 use crate::motion::GazeController;
 use crate::optics::glare::{Veil, VeilSource};
+use crate::scene::photo_view::STEP_SHARE;
 use bevy::prelude::*;
 use std::sync::Arc;
 
@@ -335,6 +336,7 @@ fn photo_uniform(laid: &LaidOut, pose: Isometry3d) -> PhotoUniform {
         eye_m: Vec3::from(own.translation).to_array(),
         has_moved: u32::from(!is_at_rest),
         flat_m,
+        step_share: STEP_SHARE,
         ..PhotoUniform::default()
     }
 }

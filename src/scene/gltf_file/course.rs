@@ -7,6 +7,7 @@ use super::super::motion::{Channel, Interpolation, Keys, NodePose, Property, Sce
 use super::{Source, accessors};
 use crate::input_file::one_clause;
 use glam::{Mat4, Quat};
+use gltf::accessor::DataType;
 use gltf::json::validation::Checked;
 use gltf::{Document, Node, animation};
 use std::collections::HashMap;
@@ -62,7 +63,7 @@ pub(super) fn played(document: &Document) -> Option<animation::Animation<'_>> {
 }
 
 /// Reads the animation that is played, if there is one.
-pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course, SceneError> {
+pub(super) fn read_course(document: &Document, source: &Source) -> Course {
     let mut course = Course {
         animation: SceneAnimation::default(),
         poses: HashMap::new(),
@@ -70,7 +71,7 @@ pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course
         remarks: Vec::new(),
     };
     let Some(found) = played(document) else {
-        return Ok(course);
+        return course;
     };
     let name = found
         .name()
@@ -78,12 +79,12 @@ pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course
     for channel in found.channels() {
         // The reader stops the program where it is asked for a target that glTF has no name for.
         let read = if has_known_target(document, &found, &channel) {
-            read_channel(&channel, source)?
+            read_channel(&channel, source)
         } else {
             Err("what it moves is none of translation, rotation, scale and weights".into())
         };
         match read {
-            Ok(read) => course.animation.channels.extend(read),
+            Ok(read) => course.animation.channels.push(read),
             // What is wrong with how a thing moves keeps nobody from seeing it.
             Err(fault) => course.remarks.push(format!(
                 "\"{}\": channel {} of its animation \"{name}\" is not played: {fault}.",
@@ -118,7 +119,7 @@ pub(super) fn read_course(document: &Document, source: &Source) -> Result<Course
             weights.insert(node, now.to_vec());
         },
     );
-    Ok(course)
+    course
 }
 
 fn has_known_target(
@@ -150,11 +151,8 @@ fn pose_of(node: &Node) -> NodePose {
     }
 }
 
-/// One channel; nothing where it moves nothing, and what is wrong with its key frames.
-fn read_channel(
-    channel: &animation::Channel,
-    source: &Source,
-) -> Result<Result<Option<Channel>, String>, SceneError> {
+/// One channel, or what is wrong with it.
+fn read_channel(channel: &animation::Channel, source: &Source) -> Result<Channel, String> {
     let (sampler, target) = (channel.sampler(), channel.target());
     let node = target.node();
     let (property, width) = match target.property() {
@@ -171,28 +169,43 @@ fn read_channel(
         }
     };
     if width == 0 {
-        return Ok(Ok(None));
+        return Err("it weights morph targets, and its mesh has none".into());
     }
-    let times = accessors::read::<1>(source, &sampler.input(), "times of key frames", false)?;
+    let times = sampler.input();
+    if times.data_type() != DataType::F32 {
+        return Err(format!(
+            "accessor {} (times of key frames) holds whole numbers, where glTF has seconds as floats",
+            times.index()
+        ));
+    }
+    let times =
+        accessors::read::<1>(source, &times, "times of key frames", false).map_err(reason)?;
     let (output, what) = (sampler.output(), "values of key frames");
     let values = match property {
-        Property::Weights => accessors::read::<1>(source, &output, what, true)?.concat(),
-        Property::Rotation => accessors::read::<4>(source, &output, what, true)?.concat(),
+        Property::Weights => accessors::read::<1>(source, &output, what, true).map(|v| v.concat()),
+        Property::Rotation => accessors::read::<4>(source, &output, what, true).map(|v| v.concat()),
         Property::Translation | Property::Scale => {
-            accessors::read::<3>(source, &output, what, false)?.concat()
+            accessors::read::<3>(source, &output, what, false).map(|v| v.concat())
         }
-    };
+    }
+    .map_err(reason)?;
     let interpolation = match sampler.interpolation() {
         animation::Interpolation::Linear => Interpolation::Linear,
         animation::Interpolation::Step => Interpolation::Step,
         animation::Interpolation::CubicSpline => Interpolation::CubicSpline,
     };
-    let keys = Keys::new(times.concat(), values, width, interpolation);
-    Ok(keys.map(|keys| {
-        Some(Channel {
-            node: node.index(),
-            property,
-            keys,
-        })
-    }))
+    let keys = Keys::new(times.concat(), values, width, interpolation)?;
+    Ok(Channel {
+        node: node.index(),
+        property,
+        keys,
+    })
+}
+
+/// What is wrong, without the file's name, which stands before it.
+fn reason(error: SceneError) -> String {
+    match error {
+        SceneError::Malformed { reason, .. } => reason,
+        other => other.to_string(),
+    }
 }

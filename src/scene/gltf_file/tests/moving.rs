@@ -113,19 +113,28 @@ fn key_frames_that_make_no_course_are_not_played_and_said() {
         );
     }
     // A rotation is four numbers.
-    let text = message(&moving([0.0, 1.0], "translation").iter().fold(
-        Vec::new(),
-        |mut all, byte| {
+    let bent = moving([0.0, 1.0], "translation")
+        .iter()
+        .fold(Vec::new(), |mut all, byte| {
             all.push(*byte);
             if all.ends_with(b"\"path\":\"translation\"") {
                 let at = all.len() - b"translation\"".len();
                 all.splice(at.., b"rotation\"   ".iter().copied());
             }
             all
-        },
-    ));
+        });
+    let scene = load_gltf_bytes(&bent, "a.glb").unwrap();
+    let text = scene.remarks.join(" ");
     assert!(
-        text.contains("values of key frames") && text.contains("type"),
+        scene.motion.is_none()
+            && text.contains("(values of key frames) has a type that is not allowed"),
+        "{text}"
+    );
+    // A mesh without morphs has nothing that could be weighted.
+    let scene = load_gltf_bytes(&moving([0.0, 1.0], "weights"), "a.glb").unwrap();
+    let text = scene.remarks.join(" ");
+    assert!(
+        scene.motion.is_none() && text.contains("its mesh has none"),
         "{text}"
     );
     assert!(
