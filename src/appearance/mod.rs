@@ -10,6 +10,7 @@
 //! size or viewpoint differ from what was last drawn.
 
 mod brow;
+mod build;
 mod canthus;
 #[doc(hidden)] // for this crate's own tests, as the modules below
 pub mod eye_camera;
@@ -83,7 +84,7 @@ impl Plugin for AppearancePlugin {
             Update,
             (
                 lighting::light_eyes,
-                model::build_eyes,
+                build::build_eyes,
                 pose::move_eyes,
                 levels::choose_levels,
                 pose::move_lids,

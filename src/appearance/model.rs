@@ -1,38 +1,22 @@
-//! An eye in the world, seen from outside: what it is made of, built when its anatomy changes.
+//! An eye in the world, seen from outside: where it stands, and what it is made of ([`super::build`] makes it).
 //!
 //! Enters: [`EyeModel`] on an entity with a place of its own. Leaves: the parts of that eye as
 //! children: globe, lids, lashes, tears and brow as meshes with materials. Their space is the head's,
 //! in millimetres, with the globe's centre at the entity; the entity's own space is in metres.
 
+use super::build::MadeOf;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
-use super::globe_mesh::globe_meshes;
 use super::hair::HairMesh;
-use super::illumination::Illumination;
-use super::iris_map::DESIGN_PUPIL_RADIUS_MM;
 use super::lashes::Lashes;
-use super::light_table::{LightTableSettings, LightTableSize};
+use super::light_table::LightTableSettings;
 use super::lighting::Lit;
-use super::materials::{
-    GlobeMaterial, GlobePart, HairMaterial, HairUniform, LidMargins, MeniscusMaterial,
-    MeniscusUniform, SkinMaterial, SkinUniform,
-};
-use super::mesh_fill::{brow_mesh, empty_mesh};
-use super::pose::pupil_tag;
+use super::materials::{GlobeMaterial, HairMaterial, LidMargins, MeniscusMaterial, SkinMaterial};
 use super::studio::Studio;
 use super::surroundings::Surroundings;
-use super::tissue_maps::{
-    flesh, iris_image, light_image, light_settings, reflectance_image, sclera_images, skin_albedo,
-    skin_image, static_uniform,
-};
-use crate::anatomy::{
-    Cornea, Effective, Eye, EyeFinder, Iris, Laterality, Look, OcularMedia, Patient, Refraction,
-    Sclera, Skin,
-};
-use crate::frame::ledger::WorkLedger;
-use crate::frame::readiness::Readiness;
+use crate::anatomy::{Laterality, Look, OcularMedia, Refraction};
 use crate::optics::globe::GlobeShape;
-use bevy::camera::primitives::{Aabb, Sphere};
-use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
+use bevy::camera::primitives::Sphere;
+use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -84,20 +68,6 @@ impl Default for EyeDetail {
     fn default() -> Self {
         Self { fine: true }
     }
-}
-
-/// What of a person and her eye is built in, so that another name builds nothing.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct MadeOf {
-    eye: Eye,
-    cornea: Cornea,
-    iris: Iris,
-    sclera: Sclera,
-    age_years: f64,
-    seed: u64,
-    skin: Skin,
-    fine: bool,
-    flush: [f64; 2],
 }
 
 /// The parts of one eye in the world. `Changed` when the next picture of it differs from the last.
@@ -193,7 +163,8 @@ impl FromWorld for FaceRegion {
 }
 
 /// The box about what an eye's parts fill at any time, mm.
-const FILLED_MM: (Vec3, Vec3) = (Vec3::new(-45.0, -40.0, -35.0), Vec3::new(45.0, 40.0, 15.0));
+pub(super) const FILLED_MM: (Vec3, Vec3) =
+    (Vec3::new(-45.0, -40.0, -35.0), Vec3::new(45.0, 40.0, 15.0));
 
 /// What the parts of a model that stands there fill at any time, m.
 pub(crate) fn eye_bounds(place: &GlobalTransform) -> Sphere {
@@ -216,25 +187,6 @@ pub struct EyeAssets<'w> {
     pub(super) hairs: ResMut<'w, Assets<HairMaterial>>,
     pub(super) tears: ResMut<'w, Assets<MeniscusMaterial>>,
 }
-
-/// The anatomy that an eye is built from.
-type Built<'a> = (
-    &'a Eye,
-    &'a Cornea,
-    &'a Effective<Iris>,
-    &'a Sclera,
-    Option<&'a Look>,
-);
-
-/// What of a model decides how it is built.
-type Model<'a> = (
-    Entity,
-    &'a EyeModel,
-    &'a EyeDetail,
-    Option<&'a RenderLayers>,
-    Option<&'a Children>,
-    &'a mut EyeParts,
-);
 
 /// +1 for the right eye, −1 for the left one, whose region is mirrored.
 pub(super) fn side(laterality: Laterality) -> f32 {
@@ -261,320 +213,4 @@ pub(super) fn take_parts_away(
                 model.remove::<EyeParts>();
             }
         });
-}
-
-/// Builds the parts of eyes whose anatomy is new or changed; of eyes that are gone nothing stays.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a system's arguments are what it reads and makes"
-)]
-pub fn build_eyes(
-    mut models: Query<Model>,
-    finder: EyeFinder,
-    eyes: Query<Built>,
-    people: Query<(&Patient, &Skin)>,
-    old: Query<(), With<EyePart>>,
-    region: Res<FaceRegion>,
-    ledger: Res<WorkLedger>,
-    readiness: Res<Readiness>,
-    mut assets: EyeAssets,
-    mut commands: Commands,
-) {
-    for (entity, model, detail, layers, children, mut parts) in &mut models {
-        let own = || {
-            let children = children.into_iter().flatten().copied();
-            children.filter(|child| old.contains(*child))
-        };
-        let found = finder
-            .find(model.0)
-            .and_then(|(eye, patient)| Some((eye, eyes.get(eye).ok()?, people.get(patient).ok()?)));
-        let Some((eye_entity, (eye, cornea, iris, sclera, look), (patient, skin))) = found else {
-            if parts.eye.is_some() {
-                own().for_each(|part| commands.entity(part).despawn());
-                *parts = EyeParts {
-                    built: parts.built + 1,
-                    ..default()
-                };
-            }
-            continue;
-        };
-        let layers = layers.cloned().unwrap_or_default();
-        let look = look.copied().unwrap_or_default();
-        let made_of = MadeOf {
-            eye: eye.clone(),
-            cornea: cornea.clone(),
-            iris: iris.0.clone(),
-            sclera: *sclera,
-            age_years: patient.age_years,
-            seed: patient.seed,
-            skin: *skin,
-            fine: detail.fine,
-            flush: [look.flush_radius, look.flush_hardness],
-        };
-        let is_changed = parts.eye != Some(eye_entity) || parts.made_of.as_ref() != Some(&made_of);
-        if !is_changed {
-            if parts.layers != layers {
-                own().for_each(|part| {
-                    commands.entity(part).insert(layers.clone());
-                });
-                parts.layers = layers;
-            }
-            continue;
-        }
-        parts.eye = Some(eye_entity);
-        parts.made_of = Some(made_of);
-        parts.layers = layers.clone();
-        own().for_each(|part| commands.entity(part).despawn());
-        readiness.restart();
-        let anatomy = Anatomy {
-            eye,
-            cornea,
-            iris: &iris.0,
-            sclera,
-            look: &look,
-            patient,
-            skin,
-        };
-        let mut builder = Builder {
-            model: entity,
-            layers,
-            commands: &mut commands,
-            assets: &mut assets,
-            ledger: &ledger,
-        };
-        if let Err(error) = builder.build(&anatomy, detail.fine, region.0.as_ref(), &mut parts) {
-            error!("the globe cannot be built: {error}");
-        }
-    }
-}
-
-/// The anatomy of one eye.
-pub(super) struct Anatomy<'a> {
-    pub(super) eye: &'a Eye,
-    pub(super) cornea: &'a Cornea,
-    pub(super) iris: &'a Iris,
-    pub(super) sclera: &'a Sclera,
-    pub(super) look: &'a Look,
-    pub(super) patient: &'a Patient,
-    pub(super) skin: &'a Skin,
-}
-
-/// Makes the parts of one model.
-struct Builder<'a, 'c, 's, 'w> {
-    model: Entity,
-    layers: RenderLayers,
-    commands: &'a mut Commands<'c, 's>,
-    assets: &'a mut EyeAssets<'w>,
-    ledger: &'a WorkLedger,
-}
-
-impl Builder<'_, '_, '_, '_> {
-    fn build(
-        &mut self,
-        anatomy: &Anatomy<'_>,
-        fine: bool,
-        region: Option<&EyeRegion>,
-        parts: &mut EyeParts,
-    ) -> Result<(), crate::optics::globe::GlobeShapeError> {
-        let shape = GlobeShape::new(
-            anatomy.eye.scleral_radius_mm,
-            anatomy.cornea.anterior_radius_mm,
-            anatomy.cornea.anterior_p,
-            anatomy.cornea.limbus_radius_mm,
-        )?;
-        let (illumination, around) = parts
-            .lit
-            .as_ref()
-            .map_or_else(Default::default, |lit| (lit.illumination, lit.map.clone()));
-        let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
-        self.globe(anatomy, &shape, (illumination, &around), fine, parts);
-        self.skin(anatomy, (illumination, &around), seed, parts);
-        self.hair(
-            anatomy,
-            &shape,
-            (illumination, &around),
-            seed,
-            region,
-            parts,
-        );
-        let tears = self.assets.tears.add(MeniscusMaterial {
-            meniscus: MeniscusUniform { strength: 1.0 },
-            illumination,
-            around,
-        });
-        parts.meniscus_mesh = self.assets.meshes.add(empty_mesh());
-        parts.meniscus_material = tears.clone();
-        self.add(parts.meniscus_mesh.clone(), MeshMaterial3d(tears));
-        parts.lashes = Some(Lashes::new(seed));
-        parts.pose = None;
-        parts.shape = Some(shape);
-        parts.head_from_eye = None;
-        parts.media = None;
-        parts.focus = None;
-        parts.look = None;
-        parts.built += 1;
-        Ok(())
-    }
-
-    /// A part of the head: it does not turn, and its mesh is filled as the lids move.
-    fn add(&mut self, mesh: Handle<Mesh>, material: impl Bundle) -> Entity {
-        let part = self.commands.spawn((
-            EyePart,
-            ChildOf(self.model),
-            Mesh3d(mesh),
-            material,
-            NoFrustumCulling,
-            Aabb::from_min_max(FILLED_MM.0, FILLED_MM.1),
-            Transform::from_scale(Vec3::splat(METRES_A_MM)),
-            self.layers.clone(),
-        ));
-        part.id()
-    }
-
-    fn globe(
-        &mut self,
-        anatomy: &Anatomy<'_>,
-        shape: &GlobeShape,
-        (illumination, around): (Illumination, &Handle<Image>),
-        fine: bool,
-        parts: &mut EyeParts,
-    ) {
-        let images = &mut self.assets.images;
-        let [sclera_map, vessel_map] = sclera_images(anatomy, fine);
-        let maps = [
-            images.add(iris_image(anatomy, fine)),
-            images.add(sclera_map),
-            images.add(vessel_map),
-            images.add(reflectance_image(anatomy.iris)),
-        ];
-        self.ledger.bytes_uploaded(
-            maps.iter()
-                .filter_map(|map| images.get(map))
-                .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
-                .sum(),
-        );
-        let [iris_map, sclera_map, vessel_map, reflectance_map] = maps;
-        let settings = light_settings(anatomy.cornea, anatomy.iris);
-        let light_table = match &parts.light {
-            Some((of, table)) if *of == settings => table.clone(),
-            _ => {
-                let table = images.add(light_image(&settings));
-                self.ledger
-                    .bytes_uploaded(LightTableSize::PICTURE.bytes() as u64);
-                parts.light = Some((settings, table.clone()));
-                table
-            }
-        };
-        let uniform = static_uniform(anatomy, shape);
-        parts.globe.clear();
-        for (part, mesh) in [GlobePart::Cornea, GlobePart::Limbus, GlobePart::Sclera]
-            .into_iter()
-            .zip(globe_meshes(shape))
-        {
-            let material = self.assets.globes.add(GlobeMaterial {
-                part,
-                clouded: false,
-                artistic: false,
-                globe: uniform,
-                iris_map: iris_map.clone(),
-                sclera_map: sclera_map.clone(),
-                reflectance_map: reflectance_map.clone(),
-                light_table: light_table.clone(),
-                vessel_map: vessel_map.clone(),
-                illumination,
-                around: around.clone(),
-            });
-            let mut entity = self.commands.spawn((
-                EyePart,
-                ChildOf(self.model),
-                Mesh3d(self.assets.meshes.add(mesh)),
-                MeshMaterial3d(material.clone()),
-                Transform::from_scale(Vec3::splat(METRES_A_MM)),
-                self.layers.clone(),
-            ));
-            if part.is_corneal() {
-                // Until the first pose an iris of the map's own pupil.
-                entity.insert(pupil_tag(DESIGN_PUPIL_RADIUS_MM));
-            }
-            parts.globe.push((entity.id(), material));
-        }
-        let material = self.assets.globes.add(GlobeMaterial {
-            part: GlobePart::Conjunctiva,
-            clouded: false,
-            artistic: false,
-            globe: uniform,
-            iris_map,
-            sclera_map,
-            reflectance_map,
-            light_table,
-            vessel_map,
-            illumination,
-            around: around.clone(),
-        });
-        parts.conjunctiva_mesh = self.assets.meshes.add(empty_mesh());
-        let entity = self.add(
-            parts.conjunctiva_mesh.clone(),
-            MeshMaterial3d(material.clone()),
-        );
-        parts.globe.push((entity, material));
-    }
-
-    fn skin(
-        &mut self,
-        anatomy: &Anatomy<'_>,
-        (illumination, around): (Illumination, &Handle<Image>),
-        seed: u64,
-        parts: &mut EyeParts,
-    ) {
-        let dry = SkinMaterial {
-            wet: false,
-            skin: SkinUniform {
-                albedo: skin_albedo(anatomy.skin.tone),
-                roughness: 0.42,
-                flesh: flesh(anatomy.sclera),
-                pores: 1.0,
-            },
-            skin_map: self.assets.images.add(skin_image(seed)),
-            illumination,
-            around: around.clone(),
-        };
-        let wet = SkinMaterial {
-            wet: true,
-            ..dry.clone()
-        };
-        parts.skin_materials = [dry, wet].map(|material| self.assets.skins.add(material));
-        parts.skin = self.assets.meshes.add(empty_mesh());
-        parts.margin = self.assets.meshes.add(empty_mesh());
-        let [dry, wet] = parts.skin_materials.clone();
-        self.add(parts.skin.clone(), MeshMaterial3d(dry));
-        self.add(parts.margin.clone(), MeshMaterial3d(wet));
-    }
-
-    fn hair(
-        &mut self,
-        anatomy: &Anatomy<'_>,
-        shape: &GlobeShape,
-        (illumination, around): (Illumination, &Handle<Image>),
-        seed: u64,
-        region: Option<&EyeRegion>,
-        parts: &mut EyeParts,
-    ) {
-        let material = self.assets.hairs.add(HairMaterial {
-            hair: HairUniform {
-                // Of photographs: 50 38 37 at the base, 96 62 45 in the last third.
-                root: Vec3::new(0.030, 0.019, 0.018),
-                tip: Vec3::new(0.115, 0.048, 0.026),
-            },
-            illumination,
-            around: around.clone(),
-        });
-        parts.lash_mesh = self.assets.meshes.add(empty_mesh());
-        parts.hair_material = material.clone();
-        self.add(parts.lash_mesh.clone(), MeshMaterial3d(material.clone()));
-        if let Some(region) = region {
-            let brow = brow_mesh(region, shape, seed, side(anatomy.eye.laterality));
-            let brow = self.assets.meshes.add(brow);
-            self.add(brow, MeshMaterial3d(material));
-        }
-    }
 }

@@ -1,10 +1,11 @@
 //! A patient's tissues as textures, colours and the globe's numbers.
 
+use super::build::Anatomy;
 use super::images::{byte_map_image, map_image};
 use super::iris_map::{IrisMap, IrisMapSettings};
 use super::light_table::{LightTableSettings, LightTableSize, SKY_RADII};
 use super::materials::{GlobeUniform, LidMargins};
-use super::model::{Anatomy, side};
+use super::model::side;
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use super::shading::sclera_shade::EPISCLERAL_DEPTH_MM;
 use crate::anatomy::{Cornea, Iris, Sclera};
