@@ -61,7 +61,7 @@ fn look_at_her(mut commands: Commands, size: Res<PictureSize>) {
 /// Her lens clouds over, in her pupil and in what she sees.
 fn cloud(mut cataracts: Query<&mut Cataract>, clock: Res<SimulationClock>) {
     for mut cataract in &mut cataracts {
-        cataract.nuclear = (2.0 * clock.time_s).min(4.0);
+        cataract.nuclear = (3.0 * clock.time_s).min(6.0);
     }
 }
 

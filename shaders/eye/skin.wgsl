@@ -9,6 +9,10 @@ struct Skin {
     flesh: vec3<f32>,
     // How deep the pores are.
     pores: f32,
+    // How it changes from place to place.
+    blood: vec3<f32>,
+    melanin: vec3<f32>,
+    lid: vec3<f32>,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> skin: Skin;
@@ -41,7 +45,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     // A second, larger look at the same tile hides that it repeats.
     let coarse = skin_tile(q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
     let n = skin_normal(normalize(in.normal), v, tissue, skin.pores, fine, coarse);
-    let albedo = skin_albedo(skin.albedo, skin.flesh, tissue, fine, coarse);
+    let mottling = Mottling(skin.blood, skin.melanin, skin.lid);
+    let albedo = skin_albedo(skin.albedo, mottling, skin.flesh, tissue, fine, coarse);
     var light = ambient(n) * skin_openness(tissue);
     var sheen = vec3(0.0);
     for (var i = 0; i < LAMPS; i++) {

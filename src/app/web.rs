@@ -10,8 +10,17 @@ use crate::ui::{UiState, host, session_of};
 use bevy::prelude::*;
 use wasm_bindgen::JsValue;
 
+unsafe extern "C" {
+    /// Registers the types that Bevy's crates have to register. The linker makes it; in a module that never calls it
+    /// the linker has every exported function call it first, which every handle that the page hands over would pay
+    /// for: a twelfth of the start, and a part of every frame.
+    fn __wasm_call_ctors();
+}
+
 /// Runs the app with what the page's link says ([`LinkState`]).
 pub fn run() {
+    // SAFETY: the linker's own function, without arguments, called once and before what it prepares is used.
+    unsafe { __wasm_call_ctors() };
     console_error_panic_hook::set_once();
     let (start, refused) = LinkState::parse(&host::fragment());
     match session_of(&start) {

@@ -3,7 +3,7 @@
 mod lost;
 
 use crate::OculariumPlugins;
-use crate::frame::device_settings;
+use crate::frame::{device_settings, mesh_settings};
 use crate::stage::{Session, StagePlugin};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::ui::UiState;
@@ -72,7 +72,8 @@ pub fn windowed_app(session: Session, start: LinkState) -> App {
             .set(RenderPlugin {
                 render_creation: device_settings().into(),
                 ..default()
-            }),
+            })
+            .set(mesh_settings()),
     )
     .add_plugins(EguiPlugin::default());
     app.world_mut()

@@ -17,8 +17,8 @@ use super::model::{
 };
 use super::pose::pupil_tag;
 use super::tissue_maps::{
-    flesh, iris_image, light_image, light_settings, reflectance_image, sclera_images, skin_albedo,
-    skin_image, static_uniform,
+    color, flesh, iris_image, light_image, light_settings, reflectance_image, sclera_images,
+    skin_albedo, skin_image, skin_variation, static_uniform,
 };
 use crate::anatomy::{Cornea, Effective, Eye, EyeFinder, Iris, Look, Patient, Sclera, Skin};
 use crate::frame::ledger::WorkLedger;
@@ -324,6 +324,7 @@ impl Builder<'_, '_, '_, '_> {
         seed: u64,
         parts: &mut EyeParts,
     ) {
+        let variation = skin_variation(anatomy.skin.tone);
         let dry = SkinMaterial {
             wet: false,
             skin: SkinUniform {
@@ -331,6 +332,9 @@ impl Builder<'_, '_, '_, '_> {
                 roughness: 0.42,
                 flesh: flesh(anatomy.sclera),
                 pores: 1.0,
+                blood: color(variation.blood),
+                melanin: color(variation.melanin),
+                lid: color(variation.lid),
             },
             skin_map: self.assets.images.add(skin_image(seed)),
             illumination,

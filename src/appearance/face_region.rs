@@ -208,15 +208,16 @@ impl EyeRegion {
             .cage
             .positions
             .iter()
-            .map(|p| [0.0, 0.0, 0.0, brow_weight(*p)])
+            .map(|p| [0.0, preseptal_weight(*p), 0.0, brow_weight(*p)])
             .collect();
         const WET: [f32; EDGE_ROWS] = [1.0, 1.0, 1.0, 1.0, 0.9, 0.55, 0.15, 0.0];
         for border in &self.cage.border {
             let t = border.column.t;
             let corner = (1.0 - smoothstep(0.0, 0.12, t)).max(0.6 * smoothstep(0.95, 1.0, t));
+            let beyond = preseptal_weight(self.cage.positions[border.index as usize]);
             for row in 0..ROWS {
                 let along = (row as f32 - ANTERIOR_ROW as f32) / (ROWS - ANTERIOR_ROW) as f32;
-                let thin = 1.0 - smoothstep(0.25, 1.0, along);
+                let thin = 1.0 + (beyond - 1.0) * smoothstep(0.25, 1.0, along);
                 let wet = WET.get(row).copied().unwrap_or(0.0);
                 let pink = corner * (1.0 - smoothstep(0.0, 0.35, along));
                 out.push([wet, thin, pink, 0.0]);
@@ -479,6 +480,16 @@ fn meniscus_quads() -> Vec<[u32; 4]> {
         }
     }
     out
+}
+
+/// How much skin of the face beyond the lids, at rest at `p` (mm), is like theirs: as far as the orbital septum reaches
+/// below the muscle, to the rim of the orbit.
+fn preseptal_weight(p: Vec3) -> f32 {
+    // Half of the orbit's opening: 40 mm wide and 33 high, its middle a little towards the temple.
+    let (x, y) = (p.x - 2.0, p.y + 1.0);
+    let across = x / if x < 0.0 { 19.0 } else { 24.0 };
+    let along = y / if y < 0.0 { 15.5 } else { 17.5 };
+    0.7 * (1.0 - smoothstep(0.5, 1.0, across.hypot(along)))
 }
 
 /// Brow density at a resting skin point: an arch over the orbital rim, thinning to the temple.

@@ -270,6 +270,12 @@ pub struct SkinUniform {
     pub flesh: Vec3,
     /// How deep the pores are.
     pub pores: f32,
+    /// By which power of its blood reflectance falls.
+    pub blood: Vec3,
+    /// The same of melanin.
+    pub melanin: Vec3,
+    /// Reflectance of a lid against the face's.
+    pub lid: Vec3,
 }
 
 /// Pipeline key of a [`SkinMaterial`].

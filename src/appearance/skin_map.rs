@@ -29,7 +29,7 @@ fn height_mm(x: f32, y: f32, seed: u32) -> f32 {
     } else {
         0.0
     };
-    0.006 * lines + 0.005 * fine + 0.022 * soft - 0.014 * pit * pit
+    0.018 * lines + 0.008 * fine + 0.022 * soft - 0.022 * pit * pit
 }
 
 /// The tile, row by row.

@@ -17,6 +17,7 @@ use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTa
 use crate::tissue::sclera::{
     LAMELLAE, SCLERA_INDEX, ScleralTissue, lamellae, returned_above, sclera_reflectance,
 };
+use crate::tissue::skin::{SKIN_INDEX, SkinVariation};
 use bevy::image::Image;
 use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
@@ -32,6 +33,12 @@ pub(super) fn skin_albedo(tone: f64) -> Vec3 {
         middle.lerp(dark, tone * 2.0 - 1.0)
     }
 }
+
+/// How such skin changes from place to place.
+pub(super) fn skin_variation(tone: f64) -> SkinVariation {
+    SkinVariation::new(tone, diffuse_surface(SKIN_INDEX))
+}
+
 pub(super) fn iris_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
     let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
     let map = IrisMap::new(
@@ -134,7 +141,7 @@ fn above_vessels(sclera: &Sclera) -> Vec3 {
         diffuse_surface(SCLERA_INDEX),
     ))
 }
-fn color(rgb: [f64; 3]) -> Vec3 {
+pub(super) fn color(rgb: [f64; 3]) -> Vec3 {
     bevy::math::DVec3::from(rgb).as_vec3()
 }
 /// What the light table of this cornea and iris is made of.

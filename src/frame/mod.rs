@@ -14,6 +14,8 @@ pub mod shaders;
 pub use clock::{Drive, SimulationClock};
 pub use panel::Panel;
 
+use bevy::light::cluster::GlobalClusterSettings;
+use bevy::pbr::PbrPlugin;
 use bevy::prelude::*;
 #[cfg(not(target_arch = "wasm32"))]
 use bevy::render::settings::Backends;
@@ -58,6 +60,22 @@ impl Plugin for FramePlugin {
         if let Some(render_app) = app.get_sub_app_mut(bevy::render::RenderApp) {
             render_app.insert_resource(ledger);
         }
+    }
+}
+
+/// How meshes are drawn: nothing by deferred shading, whose pipeline a program's start is spared.
+pub fn mesh_settings() -> PbrPlugin {
+    PbrPlugin {
+        add_default_deferred_lighting_plugin: false,
+        ..default()
+    }
+}
+
+/// Has the processor say which of a scene's few lights shine where, and not a device, which does it in passes of its
+/// own for every camera.
+pub fn cluster_lights_on_the_processor(settings: Option<ResMut<GlobalClusterSettings>>) {
+    if let Some(mut settings) = settings {
+        settings.gpu_clustering = None;
     }
 }
 

@@ -5,7 +5,7 @@ use crate::appearance::images::MapView;
 use crate::appearance::{EyeOrbit, EyeQuality};
 use crate::frame::ledger::{Work, WorkLedger};
 use crate::frame::readiness::Readiness;
-use crate::frame::{Drive, Panel, SimulationClock, device_settings};
+use crate::frame::{Drive, Panel, SimulationClock, device_settings, mesh_settings};
 use crate::motion::GazeController;
 use crate::motion::engine::OculomotorState;
 use crate::percept::{Percept, PerceptFrame, ViewOptions};
@@ -105,6 +105,7 @@ pub fn plugins() -> PluginGroupBuilder {
             render_creation: device_settings().into(),
             ..default()
         })
+        .set(mesh_settings())
 }
 
 impl Headless {

@@ -16,7 +16,7 @@ use crate::scene::catalog::{BuiltIn, LoadedScene};
 use crate::stage::Session;
 use crate::tissue::colour_difference::linear_srgb_to_lab;
 use bevy::camera::Projection;
-use bevy::math::{DVec2, DVec3, UVec2};
+use bevy::math::{DMat3, DVec2, DVec3, UVec2};
 use image::RgbaImage;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -216,6 +216,56 @@ fn vessels(picture: &Picture) -> (f64, f64) {
     (depths.len() as f64 / length, median(depths))
 }
 
+/// How skin below the eye varies: standard deviations of L*, a* and b* between patches of a tenth of an iris diameter
+/// about the plane that fits them best, and that of L* between dots of a hundredth within a patch.
+fn skin_varies(picture: &Picture) -> (DVec3, f64) {
+    let (patch, dot) = (0.2 * picture.limbus_px, 0.02 * picture.limbus_px);
+    let mean = |at: DVec2, side: f64| {
+        let [low, high] =
+            [at, at + side].map(|at| at.clamp(DVec2::ZERO, DVec2::splat(f64::from(picture.size))));
+        let (low, high) = (low.as_uvec2(), high.as_uvec2());
+        let pixels = (low.y..high.y)
+            .flat_map(|y| (low.x..high.x).map(move |x| (y * picture.size + x) as usize));
+        let (sum, count) = pixels.fold((DVec3::ZERO, 0.0), |(sum, count), i| {
+            (sum + picture.linear[i], count + 1.0)
+        });
+        DVec3::from(linear_srgb_to_lab((sum / f64::max(count, 1.0)).to_array()))
+    };
+    let corner = picture.center + DVec2::new(-1.6, 1.7) * picture.limbus_px;
+    let (columns, rows) = (
+        16,
+        ((f64::from(picture.size) - 1.0 - corner.y) / patch).clamp(0.0, 4.0) as u32,
+    );
+    let dots = (patch / dot) as u32;
+    let (mut patches, mut fine) = (Vec::new(), Vec::new());
+    for row in 0..rows {
+        for column in 0..columns {
+            let at = corner + DVec2::new(column.into(), row.into()) * patch;
+            let own = mean(at, patch);
+            patches.push((DVec3::new(column.into(), row.into(), 1.0), own));
+            let offsets =
+                (0..dots * dots).map(|k| DVec2::new((k % dots).into(), (k / dots).into()));
+            fine.extend(offsets.map(|off| (mean(at + off * dot, dot).x - own.x).powi(2)));
+        }
+    }
+    let root = |squares: f64, count: usize| f64::sqrt(squares / count.max(1) as f64);
+    let normal = patches.iter().fold(DMat3::ZERO, |sum, (at, _)| {
+        sum + DMat3::from_cols(*at * at.x, *at * at.y, *at * at.z)
+    });
+    let coarse = [0, 1, 2].map(|channel| {
+        let plane = normal.inverse()
+            * patches
+                .iter()
+                .map(|(at, lab)| *at * lab[channel])
+                .sum::<DVec3>();
+        let squares = patches
+            .iter()
+            .map(|(at, lab)| (lab[channel] - plane.dot(*at)).powi(2));
+        root(squares.sum(), patches.len())
+    });
+    (DVec3::from(coarse), root(fine.iter().sum(), fine.len()))
+}
+
 fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
     let row = |quantity, unit, ours: f64, photographs, (from, to): (f64, f64)| {
         let ours = Some(ours).filter(|ours| ours.is_finite());
@@ -265,6 +315,7 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
     let area = core::f64::consts::PI * picture.limbus_px.powi(2);
     let (crossings, contrast) = vessels(picture);
     let pupil = luminance(picture.patch(0.0, 0.0, 0.5 * pupil_share));
+    let (varies, fine) = skin_varies(picture);
     let rows = vec![
         row(
             "iris, standard deviation of L*",
@@ -360,6 +411,34 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
             0.095,
             (0.036, 0.15),
         ),
+        row(
+            "skin over 0.2 to 2 D, standard deviation of L*",
+            "L*",
+            varies.x,
+            3.4,
+            (2.7, 4.7),
+        ),
+        row(
+            "skin over 0.2 to 2 D, standard deviation of a*",
+            "a*",
+            varies.y,
+            1.7,
+            (1.0, 2.9),
+        ),
+        row(
+            "skin over 0.2 to 2 D, standard deviation of b*",
+            "b*",
+            varies.z,
+            1.9,
+            (1.2, 5.0),
+        ),
+        row(
+            "skin over 0.02 to 0.1 D, standard deviation of L*",
+            "L*",
+            fine,
+            2.8,
+            (2.3, 5.6),
+        ),
     ];
     ([iris, sclera], rows)
 }
@@ -426,7 +505,7 @@ pub fn looks(patient: &PatientFile) -> Result<Looks, HeadlessError> {
             "Their means: iris sRGB 90 91 89 (blue-grey), 80 89 74 and 94 113 89 (green), 102 64 41 (hazel), 91 62 52 (brown), \
              45 31 25 (dark); white 202 186 169.",
             "white, red over green and blue over red: spread of the neutral ones among them; iris Y: from dark to pale eyes.",
-            "Not measured here: lids, lashes and skin; how far lids cover the iris.",
+            "Not measured here: lids and lashes; how far lids cover the iris. Skin is that below the eye.",
         ],
         patient: patient.name.clone(),
         light: light.name(),
@@ -440,6 +519,43 @@ pub fn looks(patient: &PatientFile) -> Result<Looks, HeadlessError> {
 mod tests {
     use super::*;
     use image::Rgba;
+
+    #[test]
+    fn skin_that_varies_is_measured() {
+        // Stripes of a wavelength of 0.8 D in a*, and dots of a hundredth of D in L*, on a slope of light.
+        let made = |stripes: f64, dots: f64| {
+            let linear = (0..1024 * 1024).map(|i| {
+                let at = place(i, 1024);
+                let slope = 1.0 + at.y / 4096.0;
+                let wave = stripes * (at.x * core::f64::consts::TAU / (1.6 * 205.0)).sin();
+                let dot = if ((at.x / 4.1) as u32 + (at.y / 4.1) as u32).is_multiple_of(2) {
+                    dots
+                } else {
+                    -dots
+                };
+                0.3 * slope * (1.0 + dot) * DVec3::new(1.0 + wave, 1.0 - wave, 1.0)
+            });
+            let picture = Picture {
+                size: 1024,
+                linear: linear.collect(),
+                center: DVec2::splat(512.0),
+                pupil_px: 60.0,
+                limbus_px: 205.0,
+                nose: 1.0,
+            };
+            skin_varies(&picture)
+        };
+        let (flat, smooth) = made(0.0, 0.0);
+        assert!(flat.max_element() < 0.1 && smooth < 0.3, "{flat} {smooth}");
+        let (striped, _) = made(0.03, 0.0);
+        assert!(striped.y > 1.0 && striped.y > 2.0 * striped.x, "{striped}");
+        let (even, dotted) = made(0.0, 0.05);
+        // L* of 1.05 and 0.95 times a luminance of 0.33 are 1.2 from their mean.
+        assert!(
+            even.max_element() < 0.1 && (dotted - 1.2).abs() < 0.3,
+            "{even} {dotted}"
+        );
+    }
 
     /// A drawn eye: grey pupil, iris and white of known sizes, with a soft limbus and vessels.
     fn drawn(limbus_px: f64, soft: f64, vessels: u32) -> RgbaImage {

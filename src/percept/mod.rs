@@ -28,6 +28,7 @@ pub use capture::sight::SceneChanges;
 pub use field::SharpnessField;
 #[doc(hidden)]
 pub use field::sharpness_field;
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) use frame::PerceptFrame;
 #[doc(hidden)]
 pub use present::{gather, gather_ellipse, veil};

@@ -18,7 +18,9 @@ use crate::appearance::{
     EyeCamera, EyeDetail, EyeLight, EyeModel, EyeOrbit, EyeQuality, eye_camera,
 };
 use crate::frame::readiness::Readiness;
-use crate::frame::{EyeCommands, EyeSystems, Panel, SimulationClock};
+use crate::frame::{
+    EyeCommands, EyeSystems, Panel, SimulationClock, cluster_lights_on_the_processor,
+};
 use crate::motion::{Candidates, GazeController};
 use crate::patients::PatientFile;
 use crate::percept::places::unseen_places;
@@ -161,6 +163,7 @@ impl Plugin for StagePlugin {
             .init_resource::<scene_light::FoundLight>()
             .add_message::<SessionCommand>()
             .add_message::<Restarted>()
+            .add_systems(PreStartup, cluster_lights_on_the_processor)
             .add_systems(
                 Update,
                 (

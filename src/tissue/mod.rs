@@ -33,6 +33,7 @@ pub mod phase;
 pub mod random_walk;
 pub mod scattering_orders;
 pub mod sclera;
+pub mod skin;
 pub mod slab;
 pub mod spectrum;
 pub mod wavelengths;

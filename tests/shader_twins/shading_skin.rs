@@ -75,8 +75,14 @@ fn skin() {
     );
     let albedo = |x: &[f64]| {
         let (fine, coarse) = (v4(&x[16..]), v4(&x[20..]));
+        let mottling = skin_shade::Mottling {
+            blood: v3(&x[29..]),
+            melanin: v3(&x[3..]),
+            lid: v3(x),
+        };
         rgb(skin_shade::skin_albedo(
             v3(x),
+            mottling,
             v3(&x[3..]),
             v4(&x[12..]),
             fine,
@@ -85,9 +91,9 @@ fn skin() {
     };
     compare(
         "skin_albedo",
-        "skin_albedo(m, k, t, f, g)",
+        "skin_albedo(m, Mottling(q, k, m), k, t, f, g)",
         &albedo,
-        [4e-6, 0.0],
+        [4e-6, 4e-6],
         (12, 2e-2),
     );
     let light = |x: &[f64]| {

@@ -106,7 +106,7 @@ pub(super) fn parse_span(text: &str) -> Result<Span, String> {
     }
     if text.trim().parse::<f32>().is_ok() {
         return Err(format!(
-            "{text:?} has no unit: a height is an angle such as 20deg (1 to 120) or a length such as 21cm"
+            "{text:?} is not a height without its unit: an angle such as 20deg (1 to 120) or a length such as 21cm"
         ));
     }
     let with_unit = text.trim().ends_with('m');

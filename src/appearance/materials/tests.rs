@@ -187,7 +187,10 @@ fn every_number_is_where_its_shader_reads_it() {
         albedo = Vec3::splat(9.0),
         roughness = 9.0,
         flesh = Vec3::splat(9.0),
-        pores = 9.0
+        pores = 9.0,
+        blood = Vec3::splat(9.0),
+        melanin = Vec3::splat(9.0),
+        lid = Vec3::splat(9.0)
     );
     same!(
         HairUniform,

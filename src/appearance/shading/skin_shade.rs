@@ -27,15 +27,34 @@ pub fn skin_normal(
     (n - roughness * (gradient - n * gradient.dot(n))).normalize()
 }
 
-/// Colour: mottled by blood and by melanin, redder where the lid is thin, pink at the margin.
-pub fn skin_albedo(skin: DVec3, flesh: DVec3, tissue: DVec4, fine: DVec4, coarse: DVec4) -> DVec3 {
+/// How skin changes from place to place ([`crate::tissue::skin::SkinVariation`]): by which powers of its blood and
+/// of its melanin reflectance falls, and what a lid sends back against the face.
+#[derive(Clone, Copy, Debug)]
+pub struct Mottling {
+    /// Of blood.
+    pub blood: DVec3,
+    /// Of melanin.
+    pub melanin: DVec3,
+    /// Of a lid.
+    pub lid: DVec3,
+}
+
+/// Colour: mottled by blood and by melanin, that of a lid where skin is thin, pink at the margin.
+pub fn skin_albedo(
+    skin: DVec3,
+    mottling: Mottling,
+    flesh: DVec3,
+    tissue: DVec4,
+    fine: DVec4,
+    coarse: DVec4,
+) -> DVec3 {
     let thin = tissue.y.clamp(0.0, 1.0);
     let share = (tissue.x * 0.75).max(tissue.z).clamp(0.0, 1.0);
-    let blotch = DVec3::new(0.10, 0.16, 0.18) * (0.6 * coarse.z + 0.4 * fine.z);
-    let speck = 0.5 * fine.w;
-    let mottled = skin * (1.0 + blotch + DVec3::new(0.05, 0.07, 0.07) * speck);
-    let reddened = mottled * DVec3::ONE.lerp(DVec3::new(0.97, 0.86, 0.86), thin);
-    reddened.lerp(flesh * (1.0 + 0.3 * speck), share * 0.85)
+    let blood = 1.9 * coarse.z + 0.5 * fine.w;
+    let melanin = 1.6 * fine.z + 0.5 * coarse.w;
+    let mottled = skin * (-(mottling.blood * blood + mottling.melanin * melanin)).exp();
+    let own = mottled * DVec3::ONE.lerp(mottling.lid, thin);
+    own.lerp(flesh * (1.0 + 0.15 * fine.w), share * 0.85)
 }
 
 /// What skin takes up of a lamp with an irradiance / π of one from the unit direction `l`, and what passes
@@ -43,7 +62,7 @@ pub fn skin_albedo(skin: DVec3, flesh: DVec3, tissue: DVec4, fine: DVec4, coarse
 pub fn skin_lamp(n: DVec3, tissue: DVec4, l: DVec3) -> DVec3 {
     let thin = tissue.y.clamp(0.0, 1.0);
     let cosine = n.dot(l);
-    let through = DVec3::new(1.0, 0.22, 0.12) * ((-cosine).max(0.0) * thin * 0.35);
+    let through = DVec3::new(1.0, 0.22, 0.12) * ((-cosine).max(0.0) * thin.powi(4) * 0.35);
     let shaded = mix(0.35, 1.0, tissue.w.clamp(0.0, 1.0));
     wrapped_cosines(cosine, DVec3::new(0.48, 0.28, 0.20)) * shaded + through
 }
