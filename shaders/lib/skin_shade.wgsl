@@ -29,10 +29,10 @@ struct Mottling {
 fn skin_albedo(skin: vec3f, mottling: Mottling, flesh: vec3f, tissue: vec4f, fine: vec4f, coarse: vec4f) -> vec3f {
     let thin = clamp(tissue.g, 0.0, 1.0);
     let share = clamp(max(tissue.r * 0.75, tissue.b), 0.0, 1.0);
-    // Logarithms of how much more than the mean there is: a third of it either way, as photographs vary by 1.7 in a* and 1.9 in b*
-    // over 2 to 20 mm.
-    let blood = 1.9 * coarse.b + 0.5 * fine.a;
-    let melanin = 1.6 * fine.b + 0.5 * coarse.a;
+    // Logarithms of how much more than the mean there is, a fifth of it either way. Photographs vary by 1.7 in a* and 1.9 in b*
+    // over 2 to 20 mm, some of it by their light.
+    let blood = coarse.b + 0.4 * fine.a;
+    let melanin = 0.7 * fine.b + 0.4 * coarse.a;
     let mottled = skin * exp(-(mottling.blood * blood + mottling.melanin * melanin));
     let own = mottled * mix(vec3f(1.0), mottling.lid, thin);
     return mix(own, flesh * (1.0 + 0.15 * fine.a), share * 0.85);

@@ -97,8 +97,9 @@ pub struct Studio {
     pub turn_deg: f32,
 }
 
-/// Irradiance / π on a face, as a luminance, that a photographer exposes for.
-const FACE_LIGHT: f64 = 0.845;
+/// Irradiance / π on a face, as a luminance, that a photographer exposes for: the white of an eye is then about as bright as
+/// in photographs (Y 0.5, REFERENCE).
+const FACE_LIGHT: f64 = 1.2;
 /// Outer radius of a ring flash and the share of it that is its hole, mm.
 const RING_MM: f32 = 33.0;
 const RING_HOLE: f32 = 0.68;

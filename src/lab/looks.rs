@@ -528,7 +528,9 @@ mod tests {
                 let at = place(i, 1024);
                 let slope = 1.0 + at.y / 4096.0;
                 let wave = stripes * (at.x * core::f64::consts::TAU / (1.6 * 205.0)).sin();
-                let dot = if ((at.x / 4.1) as u32 + (at.y / 4.1) as u32).is_multiple_of(2) {
+                // As the patches lie.
+                let cell = ((at - DVec2::new(184.0, 860.5)) / 4.1).floor();
+                let dot = if (cell.x + cell.y).rem_euclid(2.0) < 1.0 {
                     dots
                 } else {
                     -dots

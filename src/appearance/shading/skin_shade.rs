@@ -50,8 +50,8 @@ pub fn skin_albedo(
 ) -> DVec3 {
     let thin = tissue.y.clamp(0.0, 1.0);
     let share = (tissue.x * 0.75).max(tissue.z).clamp(0.0, 1.0);
-    let blood = 1.9 * coarse.z + 0.5 * fine.w;
-    let melanin = 1.6 * fine.z + 0.5 * coarse.w;
+    let blood = coarse.z + 0.4 * fine.w;
+    let melanin = 0.7 * fine.z + 0.4 * coarse.w;
     let mottled = skin * (-(mottling.blood * blood + mottling.melanin * melanin)).exp();
     let own = mottled * DVec3::ONE.lerp(mottling.lid, thin);
     own.lerp(flesh * (1.0 + 0.15 * fine.w), share * 0.85)
