@@ -82,9 +82,9 @@ fn sphere(eye: DVec3, direction: DVec3, radius: f64) -> f64 {
     (along * along + radius * radius - eye.length_squared()).sqrt() - along
 }
 
-/// Distance of what is met, and where in the picture it is. `Err(true)` where nothing is met, `Err(false)`
-/// where that hangs on less than two texels.
-fn met(head: &Head, x: u32, y: u32) -> Result<(f64, DVec2), bool> {
+/// Distance of what is met, and where in the picture it is, if it is in it. `Err(true)` where nothing is met,
+/// `Err(false)` where that hangs on less than two texels.
+fn met(head: &Head, x: u32, y: u32) -> Result<(f64, Option<DVec2>), bool> {
     let (eye, axes) = pose(head);
     let direction = axes * ray(x, y);
     let margin = 4.0 / f64::from(SIDE);
@@ -92,7 +92,7 @@ fn met(head: &Head, x: u32, y: u32) -> Result<(f64, DVec2), bool> {
     let on_card = place(eye + card_m * direction);
     if let Some(at) = on_card.filter(|at| is_on_card(*at, margin)) {
         return if is_on_card(at, -margin) {
-            Ok((card_m, at))
+            Ok((card_m, Some(at)))
         } else {
             Err(false)
         };
@@ -103,9 +103,10 @@ fn met(head: &Head, x: u32, y: u32) -> Result<(f64, DVec2), bool> {
     let wall_m = (-WALL_M - eye.z) / direction.z;
     match place(eye + wall_m * direction) {
         None => Err(true),
-        Some(at) if is_on_card(at, -margin) => Err(true),
+        // The card hid it.
+        Some(at) if is_on_card(at, -margin) => Ok((wall_m, None)),
         Some(at) if is_on_card(at, margin) || at.abs().max_element() > 1.0 - margin => Err(false),
-        Some(at) => Ok((wall_m, at)),
+        Some(at) => Ok((wall_m, Some(at))),
     }
 }
 
@@ -136,8 +137,10 @@ fn faults(headless: &Headless, head: &Head) -> (f64, f64) {
             let is_right = match met(head, x, y) {
                 Err(false) => continue,
                 Err(true) => found == 0.0,
+                // What was hidden is as far as the wall beside it, of which the distance is taken, not the plane.
+                Ok((distance_m, None)) => (found * distance_m - 1.0).abs() < 0.05,
                 // A texel of the wall is 0.7 % of its distance deep.
-                Ok((distance_m, at)) => {
+                Ok((distance_m, Some(at))) => {
                     let is_right = (found * distance_m - 1.0).abs() < 0.012;
                     // What blur mixes in from beside is not told apart.
                     if is_right && !is_on_card(at, 0.12) && at.abs().max_element() < 0.88 {
