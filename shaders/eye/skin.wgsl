@@ -17,7 +17,7 @@ struct Skin {
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> skin: Skin;
 
-// One repeating tile: rg the slope of the skin, b blotches of blood, a specks of pigment.
+// One repeating tile: rg the slope of the skin, b broad and a fine noise.
 @group(#{MATERIAL_BIND_GROUP}) @binding(1) var skin_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var skin_sampler: sampler;
 

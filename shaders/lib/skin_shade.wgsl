@@ -5,7 +5,7 @@
 // sheen has two lobes (oil over a rough base); creases and pores break it.
 //
 // `tissue`: r wet margin, g thinness of the lid, b caruncle and corner, a occlusion (1 open). `fine` and
-// `coarse`: two readings of the skin's tile, rg slope, b blotches of blood, a specks of pigment. Head
+// `coarse`: two readings of the skin's tile, rg slope, b broad noise, a fine noise: of blood in one of them and of pigment in the other. Head
 // frame, millimetres, unit vectors. Twin: src/appearance/shading/skin_shade.rs.
 
 // The normal that faces the eye that looks, with the slope of pores and creases where skin is dry.
@@ -43,7 +43,7 @@ fn skin_albedo(skin: vec3f, mottling: Mottling, flesh: vec3f, tissue: vec4f, fin
 fn skin_lamp(n: vec3f, tissue: vec4f, l: vec3f) -> vec3f {
     let thin = clamp(tissue.g, 0.0, 1.0);
     let cosine = dot(n, l);
-    // As tissue grows thicker less passes by equal factors.
+    // Of what is not thin hardly anything passes.
     let through = max(-cosine, 0.0) * pow(thin, 4.0) * 0.35;
     let shaded = mix(0.35, 1.0, clamp(tissue.a, 0.0, 1.0));
     return wrapped_cosines(cosine, vec3f(0.48, 0.28, 0.20)) * shaded + through * vec3f(1.0, 0.22, 0.12);

@@ -1,7 +1,7 @@
-//! Fine structure of skin as one tile that repeats: slope, blood and pigment.
+//! Fine structure of skin as one tile that repeats: slope, and noise for blood and pigment.
 //!
-//! Leaves: RGBA texels, r and g the slope of the surface along x and y, b the blotches of blood,
-//! a the specks of pigment, each about zero. Baked once: the picture then pays for two look-ups
+//! Leaves: RGBA texels, r and g the slope of the surface along x and y, b broad and a
+//! fine noise, each about zero. Baked once: the picture then pays for two look-ups
 //! where noise would cost hundreds of operations a pixel.
 
 use crate::tissue::noise::{fbm, gradient_noise, worley};

@@ -37,9 +37,10 @@ pub(super) fn skin_albedo(tone: f64) -> Vec3 {
 /// How such skin changes from place to place. Dark skin holds its melanin more evenly: what varies by a share of it is as
 /// much of its light as in light skin.
 pub(super) fn skin_variation(tone: f64) -> SkinVariation {
-    let [own, light] =
-        [tone, 0.0].map(|tone| SkinVariation::new(tone, diffuse_surface(SKIN_INDEX)));
-    let evenness = (light.melanin[1] / own.melanin[1].max(1e-3)).min(1.0);
+    let surface = diffuse_surface(SKIN_INDEX);
+    let own = SkinVariation::new(tone, surface);
+    let light = SkinVariation::melanin(0.0, surface);
+    let evenness = (light[1] / own.melanin[1].max(1e-3)).min(1.0);
     SkinVariation {
         melanin: own.melanin.map(|power| power * evenness),
         ..own

@@ -29,6 +29,9 @@ pub const FACE_BLOOD: f64 = 0.02;
 /// How much more there is in a lid: with it, and its thickness, a lower lid differs from the cheek in L*, a* and b*
 /// as in eight photographs (−7, +4.8, −3.9; REFERENCE).
 const LID_BLOOD: f64 = 3.0;
+/// Tone at which a lid is set against its face, for every tone: with as much melanin below each square millimetre of both,
+/// what a lid sends back against the face is the same within 0.03 from tone 0 to 0.6.
+const LID_TONE: f64 = 0.3;
 /// Saturation of the blood of skin, most of which is in venules.
 const SATURATION: f64 = 0.7;
 /// Diameter of the vessels of the dermis, mm.
@@ -81,15 +84,15 @@ impl SkinTissue {
         }
     }
 
-    /// Skin of a lid of the same person: thin over its muscle (0.32 mm near the lashes, a ninth of it epidermis;
+    /// Skin of a lid of somebody light: thin over its muscle (0.32 mm near the lashes, a ninth of it epidermis;
     /// Hwang 2006).
-    pub fn lid(tone: f64) -> Self {
+    pub fn lid() -> Self {
         Self {
             epidermis_mm: 0.035,
             dermis_mm: 0.3,
             muscle_mm: 1.0,
             blood_share: LID_BLOOD * FACE_BLOOD,
-            ..Self::face(tone)
+            ..Self::face(LID_TONE)
         }
     }
 }
@@ -180,6 +183,13 @@ pub fn skin_reflectance(tissue: &SkinTissue, surface: [f64; 2]) -> [f64; 3] {
     spectrum_to_linear_srgb(&spectrum).map(|channel| channel.clamp(0.0, 1.0))
 }
 
+/// By which power of something of it the reflectance of skin falls, that times a quarter more and less, as blotches have.
+fn power(surface: [f64; 2], changed: impl Fn(f64) -> SkinTissue) -> [f64; 3] {
+    const STEP: f64 = 1.25;
+    let [less, more] = [1.0 / STEP, STEP].map(|by| skin_reflectance(&changed(by), surface));
+    core::array::from_fn(|c| (less[c].max(1e-9) / more[c].max(1e-9)).ln() / (2.0 * STEP.ln()))
+}
+
 /// How the colour of somebody's skin changes from place to place, against that of her face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinVariation {
@@ -194,30 +204,27 @@ pub struct SkinVariation {
 impl SkinVariation {
     /// Of skin of this tone ([`SkinTissue::face`]); `surface` as of [`skin_reflectance`].
     pub fn new(tone: f64, surface: [f64; 2]) -> Self {
-        // A quarter more and less, as blotches have.
-        const STEP: f64 = 1.25;
         let face = SkinTissue::face(tone);
-        let power = |changed: &dyn Fn(f64) -> SkinTissue| {
-            let [less, more] = [1.0 / STEP, STEP].map(|by| skin_reflectance(&changed(by), surface));
-            core::array::from_fn(|c| {
-                (less[c].max(1e-9) / more[c].max(1e-9)).ln() / (2.0 * STEP.ln())
-            })
+        let blood = |by: f64| SkinTissue {
+            blood_share: face.blood_share * by,
+            ..face
         };
-        let (own, lid) = (
-            skin_reflectance(&face, surface),
-            skin_reflectance(&SkinTissue::lid(tone), surface),
-        );
+        let [usual, lid] = [SkinTissue::face(LID_TONE), SkinTissue::lid()]
+            .map(|tissue| skin_reflectance(&tissue, surface));
         Self {
-            blood: power(&|by| SkinTissue {
-                blood_share: face.blood_share * by,
-                ..face
-            }),
-            melanin: power(&|by| SkinTissue {
-                melanin_share: face.melanin_share * by,
-                ..face
-            }),
-            lid: core::array::from_fn(|c| lid[c] / own[c].max(1e-9)),
+            blood: power(surface, blood),
+            melanin: Self::melanin(tone, surface),
+            lid: core::array::from_fn(|c| lid[c] / usual[c].max(1e-9)),
         }
+    }
+
+    /// [`Self::melanin`] of skin of this tone.
+    pub fn melanin(tone: f64, surface: [f64; 2]) -> [f64; 3] {
+        let face = SkinTissue::face(tone);
+        power(surface, |by| SkinTissue {
+            melanin_share: face.melanin_share * by,
+            ..face
+        })
     }
 }
 
@@ -262,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_lid_differs_from_its_face_as_in_photographs() {
-        let (face, lid) = (lab(&SkinTissue::face(0.3)), lab(&SkinTissue::lid(0.3)));
+        let (face, lid) = (lab(&SkinTissue::face(LID_TONE)), lab(&SkinTissue::lid()));
         let off: [f64; 3] = core::array::from_fn(|i| lid[i] - face[i]);
         println!("lid against face: {off:.1?}");
         for (off, seen) in off.into_iter().zip([-7.0, 4.8, -3.9]) {
@@ -271,9 +278,31 @@ mod tests {
         // One with the blood of the face is not.
         let bloodless = lab(&SkinTissue {
             blood_share: FACE_BLOOD,
-            ..SkinTissue::lid(0.3)
+            ..SkinTissue::lid()
         });
         assert!(bloodless[1] - face[1] < 2.0);
+    }
+
+    #[test]
+    fn a_lid_with_its_faces_melanin_differs_alike_at_every_tone() {
+        let surface = diffuse_surface(SKIN_INDEX);
+        let ratios = [0.0, 0.3, 0.6].map(|tone| {
+            let face = SkinTissue::face(tone);
+            let lid = SkinTissue {
+                epidermis_mm: face.epidermis_mm,
+                melanin_share: face.melanin_share,
+                ..SkinTissue::lid()
+            };
+            let [lid, face] = [lid, face].map(|tissue| skin_reflectance(&tissue, surface));
+            [0, 1, 2].map(|c| lid[c] / face[c])
+        });
+        println!("{ratios:.3?}");
+        for ratio in ratios {
+            assert!(
+                (0..3).all(|c| (ratio[c] - ratios[1][c]).abs() < 0.03),
+                "{ratios:?}"
+            );
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::shading::{RGB_OUT, VIEWS, draw_views, pass_unless_off, rgb, v4};
 use super::{between, unit, v3};
 use crate::gpu::Twin;
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use ocularium::appearance::shading::skin_shade;
 use rand_pcg::Pcg64;
 
@@ -77,8 +77,8 @@ fn skin() {
         let (fine, coarse) = (v4(&x[16..]), v4(&x[20..]));
         let mottling = skin_shade::Mottling {
             blood: v3(&x[29..]),
-            melanin: v3(&x[3..]),
-            lid: v3(x),
+            melanin: v3(&x[3..]).zxy(),
+            lid: v3(x).yzx(),
         };
         rgb(skin_shade::skin_albedo(
             v3(x),
@@ -91,7 +91,7 @@ fn skin() {
     };
     compare(
         "skin_albedo",
-        "skin_albedo(m, Mottling(q, k, m), k, t, f, g)",
+        "skin_albedo(m, Mottling(q, k.zxy, m.yzx), k, t, f, g)",
         &albedo,
         [4e-6, 4e-6],
         (12, 2e-2),

@@ -127,6 +127,17 @@ export async function setPaused(page, wanted) {
   assert(await until(MOTION_LIMIT_S, async () => (await readState(page)).paused === wanted), `paused is not ${wanted}`);
 }
 
+/** Lets time stand still while the lids are open: behind closed ones a view is black whatever its eye has. */
+export async function pauseWithOpenLids(page) {
+  const open = async () => {
+    await setPaused(page, true);
+    if ((await readState(page)).lid_aperture > 0.99) return true;
+    await setPaused(page, false);
+    return false;
+  };
+  assert(await until(MOTION_LIMIT_S, open), "the lids do not open");
+}
+
 /** A picture of the page, for which Chromium waits for a few of its frames: at 4K a software rasteriser is slow. */
 export async function screenshot(page, name) {
   const bytes = await page.screenshot({ timeout: 1000 * READY_LIMIT_S });

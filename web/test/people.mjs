@@ -1,6 +1,6 @@
 // What one person's state does to both panels: a head that walks, a condition that begins and worsens.
 import assert from "node:assert/strict";
-import { check, MOTION_LIMIT_S, PANELS, published, readState, screenshot, setPaused, until } from "./harness.mjs";
+import { check, MOTION_LIMIT_S, PANELS, pauseWithOpenLids, published, readState, screenshot, setPaused, until } from "./harness.mjs";
 import * as pixels from "./pixels.mjs";
 
 /** Both panels at the next moment, cut out of a screenshot. */
@@ -23,7 +23,7 @@ function redShare({ eye }) {
 
 /** While time stands still only what is done here changes a picture. */
 export async function checkWalk(page) {
-  await setPaused(page, true);
+  await pauseWithOpenLids(page);
   const before = await panels(page, "before-walking.png");
   await check("nothing moves while time stands still", async () => {
     const { eye, view } = changes(before, await panels(page));
@@ -52,7 +52,7 @@ export async function checkWalk(page) {
 
 /** An artist's choices are drawn, by a pipeline of their own, and an astigmat's view by another. */
 export async function checkChoices(page) {
-  await setPaused(page, true);
+  await pauseWithOpenLids(page);
   const shown = async (link, name) => {
     await page.evaluate((hash) => (location.hash = hash), `v=1&scene=room&seed=1&${link}`);
     const there = await until(MOTION_LIMIT_S, async () => {
@@ -117,7 +117,7 @@ async function reach(page, name) {
 }
 
 export async function checkConditions(page) {
-  await setPaused(page, true);
+  await pauseWithOpenLids(page);
   const healthy = await panels(page, "without-cataract.png");
   await check("a cataract begins by its control, and both panels show it", async () => {
     const [x, y] = await reach(page, "anatomy");
