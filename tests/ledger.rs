@@ -82,6 +82,28 @@ impl Run {
     }
 }
 
+/// Few lights need no passes of their own: nobody asks for the pipelines that share them out.
+#[test]
+fn what_a_scene_does_not_need_has_no_pipelines() {
+    let _turn = turn();
+    let size = UVec2::splat(96);
+    let headless = open(
+        session(patient("healthy-brown"), 5),
+        size,
+        size,
+        [true, true],
+    );
+    let mut run = Run {
+        headless,
+        time_s: 0.0,
+    };
+    settle(&mut run.headless);
+    let labels: Vec<String> = run.forms().into_iter().map(|(label, _)| label).collect();
+    let holds = |part: &str| labels.iter().any(|label| label.contains(part));
+    assert!(holds("opaque_mesh"), "{labels:?}");
+    assert!(!holds("clustering"), "{labels:?}");
+}
+
 #[test]
 fn what_is_hidden_paused_or_unchanged_costs_nothing() {
     let _turn = turn();

@@ -178,6 +178,26 @@ fn a_photograph_with_distances_is_seen_from_where_the_head_goes() {
     assert!(wrong > 0.02, "{wrong}");
 }
 
+/// The soft edges that depth images are made with: of two things side by side each texel there has a third of the other.
+#[test]
+fn nothing_floats_in_a_soft_edge() {
+    let _turn = turn();
+    let PhotoDepth::Map(hard) = card_before_wall() else {
+        panic!("a map");
+    };
+    let soft = (0..hard.len()).map(|i| {
+        let beside = |off: isize| hard[i.saturating_add_signed(off).min(hard.len() - 1)];
+        let other = [beside(-1), beside(1)]
+            .into_iter()
+            .find(|other| (1.0 / other - 1.0 / hard[i]).abs() > 0.2);
+        other.map_or(hard[i], |other| 3.0 / (2.0 / hard[i] + 1.0 / other))
+    });
+    let headless = see(photograph(PhotoDepth::Map(soft.collect())), MOVED);
+    let (wrong, _) = faults(&headless, &MOVED);
+    println!("{:.2} % of the distances wrong", 100.0 * wrong);
+    assert!(wrong < 0.003, "{wrong}");
+}
+
 #[test]
 fn a_flat_photograph_keeps_its_distance() {
     let _turn = turn();

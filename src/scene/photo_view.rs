@@ -88,8 +88,8 @@ fn sharpen_line(line: &mut [f32]) {
     }
 }
 
-/// Colour (RGBA16F, linear) of the photograph's picture of this index, vergence (R32F, 1/m), and the angle (degrees)
-/// that the panel's smaller side now spans.
+/// Colour (RGBA16F, linear) of the photograph's picture of this index, vergence (RG32F, 1/m: as it is, and with
+/// [`sharpen_edges`] for whoever looks from elsewhere), and the angle (degrees) that the panel's smaller side now spans.
 pub fn photo_images(photo: &PhotoScene, picture: usize, size: UVec2) -> (Image, Image, f32) {
     let source = Vec2::new(photo.width as f32, photo.height as f32);
     let full_half = (0.5 * photo.vertical_fov_deg.to_radians()).tan();
@@ -121,14 +121,20 @@ pub fn photo_images(photo: &PhotoScene, picture: usize, size: UVec2) -> (Image, 
             vergences.push(value);
         }
     }
+    let mut sharp = vergences.clone();
     if !matches!(photo.depth_m, PhotoDepth::Constant(_)) {
-        sharpen_edges(&mut vergences, size);
+        sharpen_edges(&mut sharp, size);
     }
-    let vergence = vergences.into_iter().flat_map(f32::to_le_bytes).collect();
+    let vergence = vergences
+        .into_iter()
+        .zip(sharp)
+        .flat_map(|(own, sharp)| [own, sharp])
+        .flat_map(f32::to_le_bytes)
+        .collect();
     let half = full_half * crop.min_element() / source.y;
     (
         image(size, TextureFormat::Rgba16Float, colour),
-        image(size, TextureFormat::R32Float, vergence),
+        image(size, TextureFormat::Rg32Float, vergence),
         2.0 * half.atan().to_degrees(),
     )
 }

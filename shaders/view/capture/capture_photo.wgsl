@@ -49,8 +49,9 @@ fn is_inside(place: vec2<f32>) -> bool {
     return all(place >= vec2<f32>(0.0)) && all(place < vec2<f32>(percept.size));
 }
 
+// Where nothing floats in the soft edge of a thing.
 fn distance_at(place: vec2<f32>) -> f32 {
-    let vergence = textureLoad(photo_vergence, vec2<i32>(floor(place)), 0).x;
+    let vergence = textureLoad(photo_vergence, vec2<i32>(floor(place)), 0).y;
     return 1.0 / max(vergence, 1.0 / FARTHEST_M);
 }
 
