@@ -63,7 +63,8 @@ impl Plugin for FramePlugin {
     }
 }
 
-/// How meshes are drawn: nothing by deferred shading, whose pipeline a program's start is spared.
+/// How meshes are drawn: no deferred shading, whose lighting pipeline a program's start is spared (the prepass keeps
+/// the one that copies ids for it).
 pub fn mesh_settings() -> PbrPlugin {
     PbrPlugin {
         add_default_deferred_lighting_plugin: false,
