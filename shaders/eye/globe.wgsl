@@ -24,6 +24,7 @@ struct Look {
     white_specularity: f32,
     white_relief: f32,
     white_relief_size: f32,
+    parallax: f32,
     matcap: f32,
 };
 
@@ -48,8 +49,12 @@ struct Globe {
     pupil_center_mm: vec2<f32>,
     sclera_radius_mm: f32,
     lipid_nm: f32,
+    // How long after a blink the tear film begins to break, s.
+    tear_breakup_s: f32,
     // What a lens of this age sends back.
     lens: vec3<f32>,
+    // What the cornea sends back.
+    cornea_haze: vec3<f32>,
     cortical_share: f32,
     // What a clouded nucleus sends back beyond it.
     nucleus: vec3<f32>,
@@ -195,19 +200,35 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let indices = vec2f(globe.cornea_index, globe.aqueous_index);
     let size = 1.0;
 #endif
-    let trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
+    var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
     if trace.valid < 0.5 {
         return IRIS_ANGLE_COLOR * ambient(-head_from_eye()[2]) * shade.sky;
     }
+#ifdef ARTISTIC
+    // From the examiner's left, by the place of the iris that is really seen.
+    if clamp(0.5 - 0.5 * trace.point.x / globe.iris_root_mm, 0.0, 0.999) < globe.look.parallax {
+        trace.point = vec3f(parallax_place(trace.entry, direction, PARALLAX_SHARE * globe.iris_depth_mm), globe.iris_depth_mm);
+        trace.direction = direction;
+    }
+#endif
     let iris = IrisFrame(globe.iris_root_mm, pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, thicken(pupil_radius_mm, globe.iris_root_mm), furrow_depth(pupil_radius_mm));
     let at = trace.point.xy / size;
     let place = iris_place(at, iris);
-    let surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
+    // In the pupil there is no iris to be followed.
+    let edge = pupil_edge(place.uv, footprint, iris_width(iris));
+    var surface: IrisSurface;
+    surface.at = at;
+    if edge > 0.0 {
+        surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
+    }
     // The sky's light in the lids' shade where it comes from, before this place.
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let before = lids_at(head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
     let around = ambient(-head_from_eye()[2]) * before.sky;
-    var lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;
+    var lit = vec3f(0.0);
+    if edge > 0.0 {
+        lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;
+    }
     var light = around;
     for (var i = 0; i < LAMPS; i++) {
         let lamp = iris_lamp_at(i, surface.at);
@@ -220,10 +241,11 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #ifdef ARTISTIC
         concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
 #endif
-        lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
+        if edge > 0.0 {
+            lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
+        }
         light += color * max(-lamp.direction.z, 0.0);
     }
-    let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var lens = globe.lens;
     // What the nucleus and clouds leave of light that crosses the lens and comes back.
     var crosses = globe.lens_passes;
@@ -241,7 +263,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #ifdef ARTISTIC
     lit *= globe.look.iris_brightness;
 #endif
-    var behind = pupil_radiance(light, lens);
+    var behind = light * lens;
     if edge < 1.0 {
         // The fundus, before which the light has come in through the cornea too, and the lens's surfaces.
         behind += fundus_light(trace.point.xy, direction, before) * globe.fundus * trace.transmittance * crosses;
@@ -249,7 +271,8 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         behind += crosses * inner_image(mirror_lens_back(trace.point, trace.direction, eye), pupil_radius_mm, FOURTH_IMAGE_BLUR);
     }
     let inside = iris_and_pupil(behind, lit, light, edge, place.uv.y);
-    return (inside + second) * trace.transmittance;
+    // The cornea itself scatters a little of the light back.
+    return (inside + second) * trace.transmittance + light * globe.cornea_haze;
 }
 #endif
 
@@ -259,7 +282,7 @@ const WHITE_ROUGHNESS: f32 = 0.24;
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef CORNEA
-    pupil_radius_mm = bitcast<f32>(in.tag);
+    pupil_radius_mm = tagged_pupil(in.tag);
 #endif
     var camera = in.camera;
     var p = in.position;
@@ -312,18 +335,19 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     // Towards the corner it rises to the margins, and less hangs over it.
     shade.sky = mix(shade.sky, in.tissue.a, 0.7 * in.tissue.b);
 #endif
-#ifdef CONJUNCTIVA
-    // Where it is thick its papillae spread what its wet surface mirrors.
-    let lumps = in.tissue.b;
-#else
-    let lumps = 0.0;
-#endif
 #ifdef ARTISTIC
     let white_roughness = globe.look.white_roughness;
 #else
     let white_roughness = WHITE_ROUGHNESS;
 #endif
     let footprint = footprint_at(distance(p, camera));
+#ifdef CONJUNCTIVA
+    // Where it is thick its own lumps, each of which is smooth, break what its wet surface mirrors; where it has none it is rough.
+    let lumpy = lumps_at(vessel_map, sclera_sampler, p_head, footprint, globe.sclera_radius_mm);
+    let uneven = in.tissue.b * mix(0.6, -0.55, lumpy.w);
+#else
+    let uneven = 0.0;
+#endif
     let v_head = head_from_eye() * -direction;
     var diffuse = vec3f(0.0);
     var specular = vec3f(0.0);
@@ -338,12 +362,15 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #endif
         wet_normal = normalize(mix(sclera.normal, normal, corneal));
 #ifdef CONJUNCTIVA
-        // Where it is thick it is lumpy: its wet surface breaks what it mirrors.
-        wet_normal = normalize(normal + (sclera.normal - normal) * (1.0 + 3.0 * in.tissue.b));
+        let slope = eye_from_head * vec3f(lumpy.yz * in.tissue.b, 0.0);
+        wet_normal = normalize(sclera.normal - slope);
+        sclera.normal = normalize(sclera.normal - 0.6 * slope);
+        sclera.albedo *= conjunctiva_filter(globe.flesh, sclera.albedo, in.tissue.b);
+        sclera.albedo *= mix(vec3f(1.0), lump_color(lumpy.x), in.tissue.b * lumpy.w);
 #endif
         let n_white = head_from_eye() * sclera.normal;
         let n_wet = head_from_eye() * wet_normal;
-        let roughness = white_roughness + 0.14 * lumps;
+        let roughness = white_roughness * (1.0 + uneven);
         var light = ambient(n_white) * shade.sky;
         for (var i = 0; i < LAMPS; i++) {
             let lamp = lamp_at(i, p_head);
@@ -355,11 +382,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius);
             specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * left * (1.0 - corneal));
         }
-        var albedo = sclera.albedo;
-#ifdef CONJUNCTIVA
-        albedo *= conjunctiva_filter(globe.flesh, albedo, in.tissue.b);
-#endif
-        diffuse = albedo * light * sclera_lid_bounce(shade);
+        diffuse = sclera.albedo * light * sclera_lid_bounce(shade);
     }
 #endif
 #ifdef CORNEA
@@ -393,8 +416,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     }
 #endif
 
-    let n_head = normalize(head_from_eye() * wet_normal);
-    let broken = (0.16 + 0.2 * lumps) * (white_roughness / WHITE_ROUGHNESS);
+    let tears = tear_layer(p_head.xy, tear_age(in.tag), globe.lipid_nm, globe.tear_breakup_s, globe.lens_turn);
+    let n_head = normalize(head_from_eye() * wet_normal + vec3f(tears.tilt, 0.0));
+    let broken = 0.16 * (1.0 + uneven) * (white_roughness / WHITE_ROUGHNESS);
 #ifdef ARTISTIC
     let blur = mix(broken, globe.look.cornea_roughness, corneal);
     specular *= globe.look.white_specularity;
@@ -408,7 +432,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let blur = mix(broken, 0.012, corneal);
     let strength = 1.0;
 #endif
-    let around = mirrored(p_head, reflect(-v_head, n_head), blur);
-    specular += strength * tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, globe.lipid_nm, shade.upper_gap);
+    let around = mirrored(p_head, reflect(-v_head, n_head), blur + BROKEN_BLUR * tears.broken);
+    specular += strength * tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, tears.lipid_nm, p_head.x, shade.upper_gap, footprint);
     return vec4f(shown(diffuse + specular), 1.0);
 }

@@ -13,6 +13,9 @@ struct Skin {
     blood: vec3<f32>,
     melanin: vec3<f32>,
     lid: vec3<f32>,
+    // How deep the wrinkles of age are, mm, and -1 for a left eye, whose resting places are a right one's.
+    wrinkles_mm: f32,
+    mirror: f32,
 };
 
 @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> skin: Skin;
@@ -32,7 +35,8 @@ fn skin_tile(uv: vec2<f32>, level: f32) -> vec4<f32> {
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let p = in.position;
 #ifdef WET
-    let tissue = in.tissue;
+    let behind = in.tissue.r;
+    let tissue = vec4(margin_wet(behind), in.tissue.gba);
 #else
     let tissue = vec4(0.0, in.tissue.gba);
 #endif
@@ -44,9 +48,15 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let fine = skin_tile(q.xy / TILE_MM, footprint_level(footprint, texel_mm));
     // A second, larger look at the same tile hides that it repeats.
     let coarse = skin_tile(q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
-    let n = skin_normal(normalize(in.normal), v, tissue, skin.pores, fine, coarse);
+    var n = skin_normal(normalize(in.normal), v, tissue, skin.pores, fine, coarse);
+#ifdef WRINKLED
+    n = skin_tilted(n, vec2(skin.mirror, 1.0) * skin_wrinkles(q.xy, skin.wrinkles_mm));
+#endif
     let mottling = Mottling(skin.blood, skin.melanin, skin.lid);
-    let albedo = skin_albedo(skin.albedo, mottling, skin.flesh, tissue, fine, coarse);
+    var albedo = skin_albedo(skin.albedo, mottling, skin.flesh, tissue, fine, coarse);
+#ifdef WET
+    albedo = margin_albedo(albedo, skin.lid, behind, q.x, footprint);
+#endif
     var light = ambient(n) * skin_openness(tissue);
     var sheen = vec3(0.0);
     for (var i = 0; i < LAMPS; i++) {

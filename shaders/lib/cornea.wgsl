@@ -84,3 +84,11 @@ fn cornea_trace_single(origin: vec3f, dir: vec3f, surface: vec2f, n: f32, iris_z
     let transmittance = 1.0 - fresnel_dielectric(cos_incidence, 1.0, n);
     return CorneaTrace(entry, point, refracted.xyz, transmittance, 1.0);
 }
+
+// Of the depth of the iris, where the plane lies on which parallax mapping errs least (`measure parallax-error`).
+const PARALLAX_SHARE: f32 = 0.775;
+
+// Where parallax mapping puts what a ray of this unit direction shows that enters at `entry`: straight on to a plane this deep (mm).
+fn parallax_place(entry: vec3<f32>, direction: vec3<f32>, depth: f32) -> vec2<f32> {
+    return entry.xy + direction.xy * ((depth - entry.z) / max(direction.z, 1e-6));
+}

@@ -10,6 +10,14 @@ const DESIGN_PUPIL_RADIUS_MM: f32 = 1.75;
 const ROOT_RADIUS_MM: f32 = 5.85;
 const FLAT_PUPIL_RADIUS_MM: f32 = 0.75;
 
+// Radius (mm) of the pupil in the tag of a globe's mesh, whose other half is the age of its tear film.
+fn tagged_pupil(tag: u32) -> f32 {
+    return f32(tag & 0xffffu) * (TAGGED_MM / 65535.0);
+}
+
+// Widest pupil that a tag holds, mm of its radius.
+const TAGGED_MM: f32 = 8.0;
+
 // How many times as thick as in its map the stroma is at a pupil of this radius (mm): it keeps its volume.
 fn thicken(pupil_radius: f32, root_radius: f32) -> f32 {
     let root = max(root_radius, 1.0);

@@ -169,11 +169,6 @@ fn iris_ambient(reflectance_map: texture_2d<f32>, linear: sampler, surface: Iris
     return arrives * iris_covered(surface.texel) * iris_reflectance(reflectance_map, linear, surface, -IRIS_SKY_COSINE, 0.0);
 }
 
-// What shows through the pupil of the irradiance / pi on it, `light`: next to nothing, and what the lens sends back (`lens`).
-fn pupil_radiance(light: vec3f, lens: vec3f) -> vec3f {
-    return light * (vec3f(0.0019, 0.0015, 0.0014) + lens);
-}
-
 // Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven
 // and softened over a pixel.
 fn pupil_edge(uv: vec2f, footprint: f32, width: f32) -> f32 {

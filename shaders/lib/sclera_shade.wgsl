@@ -89,6 +89,29 @@ fn sclera_surface(colors: texture_2d<f32>, vessels: texture_2d<f32>, linear: sam
     return ScleraSurface(albedo, sclera_normal(normal, right - here.b, upper - here.b, step * side * texel));
 }
 
+// The lumps of plica and caruncle at a point p of the head frame: their height (mm), how fast it rises along x and y, and whether there are
+// any about it (1) or none (0).
+fn lumps_at(vessels: texture_2d<f32>, linear: sampler, p: vec3f, footprint: f32, sclera_radius: f32) -> vec4f {
+    let uv = sclera_uv(p);
+    let side = f32(textureDimensions(vessels).x);
+    let texel = 2.0 * SCLERA_HALF_ANGLE * sclera_radius / side;
+    let lod = footprint_level(footprint, texel);
+    let step = 1.5 * exp2(round(lod)) / side;
+    let here = textureSampleLevel(vessels, linear, uv, lod).a;
+    let right = textureSampleLevel(vessels, linear, uv + vec2f(step, 0.0), lod).a;
+    let upper = textureSampleLevel(vessels, linear, uv + vec2f(0.0, step), lod).a;
+    let about = textureSampleLevel(vessels, linear, uv, max(lod, log2(LUMPS_ABOUT_MM / texel))).a;
+    return vec4f(here, vec2f(right - here, upper - here) / (step * side * texel), smoothstep(0.0, 0.03, about));
+}
+
+// How far about a place (mm) lumps count as being there.
+const LUMPS_ABOUT_MM: f32 = 1.3;
+
+// What a place between or on those lumps sends back against their mean: hollows hold more blood and less light.
+fn lump_color(height: f32) -> vec3f {
+    return mix(vec3f(0.80, 0.60, 0.57), vec3f(1.10, 1.12, 1.06), smoothstep(0.0, 0.11, height));
+}
+
 // The place whose relief a point p of the white has where it is `size` times as large, about the middle of the map.
 fn relief_place(p: vec3f, size: f32) -> vec3f {
     let n = normalize(p);

@@ -167,6 +167,8 @@ pub struct Cornea {
     pub limbus_radius_mm: f64,
     /// Thickness of the tear film's lipid layer, nm.
     pub lipid_thickness_nm: f64,
+    /// How long after a blink the tear film begins to break, s.
+    pub tear_breakup_s: f64,
     /// Lipid in the periphery of the stroma, 0 (none) to 1 (a dense arcus senilis); `None`: by age.
     pub arcus: Option<f64>,
 }

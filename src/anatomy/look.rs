@@ -52,6 +52,9 @@ pub struct Look {
     pub flush_radius: f64,
     /// How sharply it does, against its own, 0.25 to 4.
     pub flush_hardness: f64,
+    /// Share of the iris, from the examiner's left, that lies where parallax mapping puts it (the eye-shading notes' way:
+    /// straight on to a plane whose depth errs least, `measure parallax-error`), 0 to 1: 0.5 shows both beside each other.
+    pub parallax: f64,
     /// Strength of a reflection that follows the camera, whatever is around, 0 to 1.
     pub matcap: f64,
 }
@@ -78,6 +81,7 @@ impl Look {
         white_relief_size: 1.0,
         flush_radius: 1.0,
         flush_hardness: 1.0,
+        parallax: 0.0,
         matcap: 0.0,
     };
 }

@@ -4,17 +4,13 @@
 //! is scattered forwards over the retina and backwards out of the pupil, and what colour it takes.
 
 use crate::optics::glare::Glare;
+use crate::tissue::media::lens_backscatter;
 use crate::tissue::spectrum::{spectrum_from, spectrum_to_linear_srgb};
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::math::{DVec3, Vec3};
 use bevy::prelude::Component;
 use bevy::reflect::Reflect;
 
-/// Age from which a healthy lens shows grey in the pupil, and over how many years it comes to do so.
-const GREY_FROM_YEARS: f64 = 40.0;
-const GREY_OVER_YEARS: f64 = 50.0;
-/// What it sends back then of the lamps' irradiance over π, linear sRGB.
-const GREY_LENS: Vec3 = Vec3::new(0.012, 0.010, 0.006);
 /// Diameter of the lens's disc as it is seen in retroillumination through a wide pupil, mm: what shares of
 /// its area are shares of.
 pub const LENS_DISC_MM: f64 = 7.5;
@@ -125,8 +121,7 @@ impl OcularMedia {
 
     /// What a healthy lens of this age sends back of the lamps' irradiance over π, linear sRGB.
     pub fn healthy_backscatter(&self) -> Vec3 {
-        let share = (self.age_years - GREY_FROM_YEARS) / GREY_OVER_YEARS;
-        GREY_LENS * share.clamp(0.0, 1.0) as f32
+        DVec3::from(lens_backscatter(self.age_years)).as_vec3()
     }
 
     /// What a cloud at the posterior capsule sends back: light that has passed the nucleus twice.

@@ -15,10 +15,10 @@ use super::mesh_fill::{brow_mesh, empty_mesh};
 use super::model::{
     EyeAssets, EyeDetail, EyeModel, EyePart, EyeParts, FILLED_MM, FaceRegion, METRES_A_MM, side,
 };
-use super::pose::pupil_tag;
+use super::pose::globe_tag;
 use super::tissue_maps::{
-    color, flesh, iris_image, light_image, light_settings, reflectance_image, sclera_images,
-    skin_albedo, skin_image, skin_variation, static_uniform,
+    color, iris_image, light_image, light_settings, margin_flesh, reflectance_image, sclera_images,
+    skin_albedo, skin_image, skin_variation, static_uniform, wrinkles_mm,
 };
 use crate::anatomy::{Cornea, Effective, Eye, EyeFinder, Iris, Look, Patient, Sclera, Skin};
 use crate::frame::ledger::WorkLedger;
@@ -209,6 +209,7 @@ impl Builder<'_, '_, '_, '_> {
         parts.head_from_eye = None;
         parts.media = None;
         parts.focus = None;
+        parts.tag = None;
         parts.look = None;
         parts.built += 1;
         Ok(())
@@ -282,18 +283,16 @@ impl Builder<'_, '_, '_, '_> {
                 illumination,
                 around: around.clone(),
             });
-            let mut entity = self.commands.spawn((
+            let entity = self.commands.spawn((
                 EyePart,
                 ChildOf(self.model),
                 Mesh3d(self.assets.meshes.add(mesh)),
                 MeshMaterial3d(material.clone()),
+                // Until the first pose an iris of the map's own pupil.
+                globe_tag(DESIGN_PUPIL_RADIUS_MM, 0.0),
                 Transform::from_scale(Vec3::splat(METRES_A_MM)),
                 self.layers.clone(),
             ));
-            if part.is_corneal() {
-                // Until the first pose an iris of the map's own pupil.
-                entity.insert(pupil_tag(DESIGN_PUPIL_RADIUS_MM));
-            }
             parts.globe.push((entity.id(), material));
         }
         let material = self.assets.globes.add(GlobeMaterial {
@@ -312,7 +311,10 @@ impl Builder<'_, '_, '_, '_> {
         parts.conjunctiva_mesh = self.assets.meshes.add(empty_mesh());
         let entity = self.add(
             parts.conjunctiva_mesh.clone(),
-            MeshMaterial3d(material.clone()),
+            (
+                MeshMaterial3d(material.clone()),
+                globe_tag(DESIGN_PUPIL_RADIUS_MM, 0.0),
+            ),
         );
         parts.globe.push((entity, material));
     }
@@ -330,11 +332,13 @@ impl Builder<'_, '_, '_, '_> {
             skin: SkinUniform {
                 albedo: skin_albedo(anatomy.skin.tone),
                 roughness: 0.42,
-                flesh: flesh(anatomy.sclera),
+                flesh: margin_flesh(anatomy.sclera, anatomy.skin),
                 pores: 1.0,
                 blood: color(variation.blood),
                 melanin: color(variation.melanin),
                 lid: color(variation.lid),
+                wrinkles_mm: wrinkles_mm(anatomy.patient.age_years),
+                mirror: side(anatomy.eye.laterality),
             },
             skin_map: self.assets.images.add(skin_image(seed)),
             illumination,

@@ -48,18 +48,44 @@ pub fn corner_tissue(corner: Corner, column: usize, row: usize) -> [f32; 2] {
     let q = row as f32 / (CORNER_ROWS - 1) as f32;
     match corner {
         Corner::Medial => [
-            (mound(s, q) * 1.25 + 0.35 * ridge(s, q)).min(1.0),
+            (mound(s, q) * 1.25 + 0.45 * ridge(s, q)).min(1.0),
             1.0 - smoothstep(0.2, 1.0, s),
         ],
         Corner::Lateral => [0.0, 0.8 * (1.0 - smoothstep(0.1, 1.0, s))],
     }
 }
 
-/// Caruncle: 1 at its top, with a few lobes.
+/// Caruncle: 1 at its top, with a few lobes; its flanks are steep.
 fn mound(s: f32, q: f32) -> f32 {
-    let (ds, dq) = ((s - 0.36) / 0.21, (q - 0.47) / 0.36);
-    let lobes = 1.0 + 0.14 * (s * 19.0 + 1.3 * (q * 7.0).sin()).sin() * (q * 11.0 + 1.0).sin();
-    (-(ds * ds + dq * dq)).exp() * lobes
+    let squared = from_caruncle(s, q);
+    let lobes = 1.0 + 0.13 * (s * 21.0 + 1.3 * (q * 7.0).sin()).sin() * (q * 12.0 + 1.0).sin();
+    (-squared * squared.sqrt()).exp() * lobes
+}
+
+/// Squared distance from the caruncle's middle, of its own size.
+fn from_caruncle(s: f32, q: f32) -> f32 {
+    let (ds, dq) = ((s - 0.38) / 0.235, (q - 0.46) / 0.4);
+    ds * ds + dq * dq
+}
+
+/// The furrow around the caruncle, 1 where it is deepest.
+fn furrow(s: f32, q: f32) -> f32 {
+    let off = (from_caruncle(s, q).sqrt() - 1.45) / 0.38;
+    (-off * off).exp()
+}
+
+/// Share of the sky that reaches a place of the medial corner: little gets into its furrows.
+pub fn corner_light(corner: Corner, column: usize, row: usize) -> f32 {
+    let s = column as f32 / (CORNER_COLUMNS - 1) as f32;
+    let q = row as f32 / (CORNER_ROWS - 1) as f32;
+    match corner {
+        Corner::Medial => {
+            let open = 0.9 + 0.1 * mound(s, q) - 0.5 * furrow(s, q) * (1.0 - 0.6 * ridge(s, q));
+            // Between the lids, where they meet, it is dark.
+            open * (0.55 + 0.45 * smoothstep(0.0, 0.3, s))
+        }
+        Corner::Lateral => 0.85,
+    }
 }
 
 /// Plica: a crescent whose horns point away from the nose.
@@ -104,7 +130,8 @@ pub fn corner_grid(
             let rise = (2.0 * q - 1.0).abs().powi(3);
             let mut off = floor + (edge - 0.02 - floor) * rise;
             if corner == Corner::Medial {
-                off += room * (1.2 * mound(s, q) + 0.55 * ridge(s, q)) * (1.0 - rise);
+                let raised = 1.5 * mound(s, q) + 0.6 * ridge(s, q) - 0.45 * furrow(s, q);
+                off += room * raised * (1.0 - rise);
             }
             // The sheet comes down onto the globe and goes on as what covers it.
             off += (EDGE_MM - off) * smoothstep(0.7, 1.0, s);

@@ -11,11 +11,11 @@ use std::collections::HashSet;
 
 use super::canthus::{
     CORNER_COLUMNS, CORNER_ROWS, Corner, MENISCUS_POINTS, MENISCUS_STATIONS, corner_grid,
-    corner_tissue, meniscus_strip,
+    corner_light, corner_tissue, meniscus_strip,
 };
 pub use super::face_cage::FaceError;
 use super::face_cage::{BorderVertex, Cage, Shape};
-use super::lid_profile::{ANTERIOR_ROW, Column, ColumnFrame, EDGE_ROWS, ROWS, column_profile};
+use super::lid_profile::{ANTERIOR_ROW, Column, ColumnFrame, ROWS, column_profile, edge_share};
 pub use super::lids::LidPose;
 use super::lids::{Fissure, Lid, MarginPoint};
 use super::region_parts::{COLUMN_STEP, CORNER_STEP, LEVELS, ROWS_OF, RegionParts};
@@ -23,6 +23,13 @@ use crate::optics::smoothstep::smoothstep;
 
 /// Points of each margin polyline in [`PosedRegion`].
 pub const MARGIN_POINTS: usize = 33;
+
+/// How much like a lower lid's the skin over an upper tarsus is, where the lower one's muscle shows fully (a choice: on photographs
+/// only lower lids were measured).
+const PRETARSAL_SHARE: f32 = 0.55;
+
+/// How much of flesh's colour the skin has where the lids end in the corners (a choice).
+const CORNER_FLUSH: f32 = 0.45;
 
 /// The region's mesh at rest.
 #[derive(Clone, Debug)]
@@ -132,7 +139,7 @@ impl EyeRegion {
         &self.rest
     }
 
-    /// For each vertex, 0 … 1: wet pink margin, thin translucent lid, caruncle and canthus, brow.
+    /// For each vertex, 0 … 1: how near the margin's posterior edge, thin translucent lid, caruncle and canthus, brow.
     pub fn tissue(&self) -> &[[f32; 4]] {
         &self.tissue
     }
@@ -210,17 +217,20 @@ impl EyeRegion {
             .iter()
             .map(|p| [0.0, preseptal_weight(*p), 0.0, brow_weight(*p)])
             .collect();
-        const WET: [f32; EDGE_ROWS] = [1.0, 1.0, 1.0, 1.0, 0.9, 0.55, 0.15, 0.0];
         for border in &self.cage.border {
             let t = border.column.t;
             let corner = (1.0 - smoothstep(0.0, 0.12, t)).max(0.6 * smoothstep(0.95, 1.0, t));
             let beyond = preseptal_weight(self.cage.positions[border.index as usize]);
             for row in 0..ROWS {
                 let along = (row as f32 - ANTERIOR_ROW as f32) / (ROWS - ANTERIOR_ROW) as f32;
-                let thin = 1.0 + (beyond - 1.0) * smoothstep(0.25, 1.0, along);
-                let wet = WET.get(row).copied().unwrap_or(0.0);
-                let pink = corner * (1.0 - smoothstep(0.0, 0.35, along));
-                out.push([wet, thin, pink, 0.0]);
+                // Over the tarsus an upper lid's skin shows less of what lies below it.
+                let lid = match border.column.lid {
+                    Lid::Upper => PRETARSAL_SHARE,
+                    Lid::Lower => 1.0,
+                };
+                let thin = lid + (beyond - lid) * smoothstep(0.25, 1.0, along);
+                let pink = CORNER_FLUSH * corner * (1.0 - smoothstep(0.0, 0.35, along));
+                out.push([edge_share(row), thin, pink, 0.0]);
             }
         }
         for corner in [Corner::Medial, Corner::Lateral] {
@@ -267,7 +277,9 @@ impl EyeRegion {
                 globe_radius,
                 &mut out.points[start..end],
             );
-            out.light[start..end].fill(0.85);
+            for (at, light) in out.light[start..end].iter_mut().enumerate() {
+                *light = corner_light(corner, at % CORNER_COLUMNS, at / CORNER_COLUMNS);
+            }
         }
         write_normals(
             &out.points,

@@ -1,8 +1,8 @@
 //! Eyelashes: irregular clumps of curved hairs on the anterior edges of the lid margins.
 //!
 //! In: a seed, and at each pose the lash lines of a [`PosedRegion`]. Out: a [`HairMesh`] with fixed
-//! topology. Upper lid 90–120 lashes 8–11 mm long (shorter towards the canthi) that leave the lid
-//! forwards and curve up; lower lid 40–60 of 5–7 mm that curve down and out. The same seed gives the
+//! topology. Upper lid 122–146 lashes 8–11 mm long (shorter towards the canthi) that leave the lid
+//! forwards and curve up; lower lid 62–76 of 5–7 mm that curve down and out. The same seed gives the
 //! same lashes. Globe frame, mm.
 
 use glam::Vec3;
@@ -55,7 +55,7 @@ impl Lashes {
     pub fn new(seed: u64) -> Self {
         let mut random = Pcg32::seed_from_u64(seed);
         let mut lashes = Vec::new();
-        let (upper, lower) = (random.random_range(98..=118), random.random_range(44..=56));
+        let (upper, lower) = (random.random_range(122..=146), random.random_range(62..=76));
         grow(Lid::Upper, upper, 0.155, 0.98, &mut random, &mut lashes);
         grow(Lid::Lower, lower, 0.2, 0.965, &mut random, &mut lashes);
         let mut own = Self {
@@ -197,9 +197,9 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
                 t,
                 row_mm: around(0.15, 0.25),
                 length_mm,
-                radius_mm: around(0.037, 0.0065),
-                pitch: around(-0.26, 0.14) + tilt,
-                curl: around(1.22, 0.22),
+                radius_mm: around(0.038, 0.007),
+                pitch: around(-0.14, 0.12) + tilt,
+                curl: around(1.08, 0.22),
                 fan: around(0.55 * fan, 0.07),
                 lean: around(0.55 * fan, 0.09) + 1.6 * lean_for(length_mm),
             }
@@ -209,9 +209,9 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
             Lash {
                 lid,
                 t,
-                row_mm: around(0.25, 0.25),
+                row_mm: around(0.0, 0.22),
                 length_mm,
-                radius_mm: around(0.034, 0.0065),
+                radius_mm: around(0.034, 0.006),
                 pitch: around(0.3, 0.28) + tilt,
                 curl: around(0.55, 0.4),
                 fan: around(0.6 * fan, 0.12),

@@ -2,12 +2,13 @@
 //!
 //! In: a margin point, the border vertex on the orbital skin that the column ends at, the
 //! [`LidPose`] and the globe's radius along a direction. Out: points that run from under the lid over
-//! the wet margin (about 2 mm thick), the lash line, the tarsal plate and the lid fold to the border,
+//! the margin, the lash line, the tarsal plate and the lid fold to the border,
 //! tangent to the face there, and how much sky each of them sees. Globe frame, mm.
 
 use glam::Vec3;
 
 use super::lids::{Lid, LidPose, MARGIN_CLEARANCE_MM, MarginPoint, REST_RADIUS_MM};
+use super::shading::skin_shade::MARGIN_MM;
 use crate::optics::smoothstep::smoothstep;
 
 /// Rows from deep under the lid to the lash line.
@@ -31,6 +32,9 @@ const EDGE: [[f32; 2]; EDGE_ROWS] = [
     [0.13, 0.97],
     [0.45, 1.03],
 ];
+
+/// Thickness of a lid's edge at the corners, mm (a choice).
+const CANTHUS_MM: f32 = 0.7;
 
 /// One column of the lid mesh.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +84,9 @@ impl Column {
 
     /// Thickness of the lid's edge, mm.
     pub fn thickness_mm(&self) -> f32 {
-        1.15 + 0.8 * (smoothstep(0.0, 0.2, self.t) * (1.0 - smoothstep(0.85, 1.0, self.t)))
+        CANTHUS_MM
+            + (MARGIN_MM as f32 - CANTHUS_MM)
+                * (smoothstep(0.0, 0.26, self.t) * (1.0 - smoothstep(0.85, 1.0, self.t)))
     }
 }
 
@@ -101,6 +107,12 @@ pub struct ColumnFrame {
 pub fn slide(direction: Vec3, along: Vec3, distance: f32, radius: f32) -> Vec3 {
     let (s, c) = (distance / radius).sin_cos();
     direction * c + along * s
+}
+
+/// How far up a lid's edge a row lies: nearly 1 at its posterior corner, on the globe, 0 from beyond the anterior one on.
+pub fn edge_share(row: usize) -> f32 {
+    EDGE.get(row)
+        .map_or(0.0, |[_, share]| (1.0 - share).max(0.0))
 }
 
 /// Fills one column: `points` and `light` (1 open to the sky … 0 buried) of [`ROWS`] rows.
@@ -256,9 +268,9 @@ impl Fold {
             crease_mm: crease.max(1.3 * scale),
             length,
             scale,
-            depth: upper * scale * (0.9 - 0.68 * smoothstep(0.0, 0.65, lowered)),
-            width: 0.4 + 0.65 * smoothstep(0.0, 0.7, lowered),
-            bulge: upper * scale * (0.95 - 0.88 * smoothstep(0.0, 0.65, lowered)),
+            depth: upper * scale * (0.62 - 0.42 * smoothstep(0.0, 0.65, lowered)),
+            width: 0.62 + 0.5 * smoothstep(0.0, 0.7, lowered),
+            bulge: upper * scale * (0.85 - 0.78 * smoothstep(0.0, 0.65, lowered)),
         }
     }
 
@@ -290,7 +302,7 @@ impl Fold {
             let c = self.past_crease(a);
             push -= self.depth * bell(c / self.width);
             push += self.bulge
-                * smoothstep(0.05, 0.4 + 0.9 * self.width, c)
+                * smoothstep(-0.1, 0.6 + 0.9 * self.width, c)
                 * bell((c - 0.75).max(0.0) / 3.0);
         }
         if self.lower > 0.0 {
@@ -305,12 +317,12 @@ impl Fold {
             return 0.0;
         }
         let c = self.past_crease(a);
-        0.75 * self.bulge * smoothstep(0.0, 0.45, c) * bell((c - 0.45).max(0.0) / 1.1)
+        0.45 * self.bulge * smoothstep(-0.1, 0.7, c) * bell((c - 0.7).max(0.0) / 1.2)
     }
 
     fn light(&self, a: f32) -> f32 {
         let c = self.past_crease(a);
-        let crease = 0.75 * (self.depth / 0.95) * bell(c / (1.1 * self.width));
+        let crease = 0.9 * self.depth * bell(c / (1.1 * self.width));
         let under = 0.06 * self.lower * bell((a - 5.2) / 1.1);
         (1.0 - crease - under).clamp(0.05, 1.0)
     }

@@ -38,6 +38,8 @@ pub struct LookUniform {
     pub white_relief: f32,
     /// Size of that relief, against its own.
     pub white_relief_size: f32,
+    /// Share of the iris that lies where parallax mapping puts it.
+    pub parallax: f32,
     /// Strength of a reflection that follows the camera.
     pub matcap: f32,
 }
@@ -61,6 +63,7 @@ impl From<&Look> for LookUniform {
             white_specularity: look.white_specularity as f32,
             white_relief: look.white_relief as f32,
             white_relief_size: look.white_relief_size as f32,
+            parallax: look.parallax as f32,
             matcap: look.matcap as f32,
         }
     }

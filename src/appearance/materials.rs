@@ -89,8 +89,12 @@ pub struct GlobeUniform {
     pub sclera_radius_mm: f32,
     /// Lipid layer of the tears, nm.
     pub lipid_nm: f32,
+    /// How long after a blink the tear film begins to break, s.
+    pub tear_breakup_s: f32,
     /// What a lens of this age sends back of the irradiance / π, linear sRGB.
     pub lens: Vec3,
+    /// What the cornea sends back of it.
+    pub cornea_haze: Vec3,
     /// Share of the lens's disc under clouded cortex.
     pub cortical_share: f32,
     /// What a clouded nucleus sends back beyond that.
@@ -276,12 +280,17 @@ pub struct SkinUniform {
     pub melanin: Vec3,
     /// Reflectance of a lid against the face's.
     pub lid: Vec3,
+    /// How deep the wrinkles of age are, mm.
+    pub wrinkles_mm: f32,
+    /// −1 for a left eye, whose resting places are a right one's.
+    pub mirror: f32,
 }
 
 /// Pipeline key of a [`SkinMaterial`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SkinKey {
     wet: bool,
+    wrinkled: bool,
     light: LightKey,
 }
 
@@ -465,6 +474,7 @@ impl From<&SkinMaterial> for SkinKey {
     fn from(material: &SkinMaterial) -> Self {
         Self {
             wet: material.wet,
+            wrinkled: material.skin.wrinkles_mm > 0.0,
             light: material.illumination.key(),
         }
     }
@@ -475,10 +485,10 @@ eye_material!(
     shaders::SKIN,
     AlphaMode::Opaque,
     Some(Face::Back),
-    |key| if key.bind_group_data.wet {
-        vec![WET]
-    } else {
-        vec![]
+    |key| {
+        let SkinKey { wet, wrinkled, .. } = key.bind_group_data;
+        let wrinkled = (wrinkled && !wet).then_some("WRINKLED");
+        wet.then_some(WET).into_iter().chain(wrinkled).collect()
     },
     |key| key.bind_group_data.light
 );

@@ -86,6 +86,7 @@ impl Plugin for AppearancePlugin {
                 lighting::light_eyes,
                 build::build_eyes,
                 pose::move_eyes,
+                pose::age_tears,
                 levels::choose_levels,
                 pose::move_lids,
                 pose::cloud_lenses,

@@ -106,6 +106,11 @@ pub struct EyeParts {
     pub(super) head_from_eye: Option<Quat>,
     #[reflect(ignore)]
     pub(super) pupil_radius_mm: f32,
+    /// When its lids last opened, s of the simulation; and what its globe's meshes carry ([`super::pose::globe_tag`]).
+    #[reflect(ignore)]
+    pub(super) tears_from_s: Option<f64>,
+    #[reflect(ignore)]
+    pub(super) tag: Option<u32>,
     #[reflect(ignore)]
     pub(super) lit: Option<Lit>,
     #[reflect(ignore)]

@@ -4,10 +4,13 @@ use super::face_region::LidPose;
 use super::materials::GlobePart;
 use super::mesh_fill::{fill_hair, fill_mesh, lid_margins};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
+use super::shading::iris_relief::pupil_code;
+use super::shading::tear_layer::{TEAR_DRIFT_S, tear_age_code};
 use crate::anatomy::{
-    Accommodation, Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia, Pupil,
-    Refraction,
+    Accommodation, Cornea, Effective, Eye, EyeOf, Eyelids, Gaze, Iris, Lids, Look, OcularMedia,
+    Pupil, Refraction,
 };
+use crate::frame::clock::SimulationClock;
 use crate::frame::ledger::WorkLedger;
 use crate::optics::defocus::PowerVector;
 use crate::optics::lens_mirror::LensShape;
@@ -28,7 +31,6 @@ pub fn move_eyes(
     eyes: Query<Turning>,
     mut models: Query<(&mut EyeParts, &Visibility)>,
     mut transforms: Query<&mut Transform>,
-    mut tags: Query<&mut MeshTag>,
     mut assets: EyeAssets,
 ) {
     for (mut parts, visibility) in &mut models {
@@ -48,11 +50,6 @@ pub fn move_eyes(
         let turned = parts.head_from_eye.replace(rotation) != Some(rotation);
         parts.pupil_radius_mm = radius;
         let nasal = -side(eye.laterality);
-        for (entity, _) in &parts.globe {
-            if let Ok(mut tag) = tags.get_mut(*entity) {
-                *tag = pupil_tag(radius);
-            }
-        }
         if !turned {
             continue;
         }
@@ -73,9 +70,69 @@ pub fn move_eyes(
     }
 }
 
-/// What the mesh of a cornea carries of the pupil behind it: a tag changes without its material being bound anew.
-pub fn pupil_tag(radius_mm: f32) -> MeshTag {
-    MeshTag(radius_mm.to_bits())
+/// What the mesh of a globe carries of the pupil and of the tear film's age, s: a tag changes without its material being bound anew.
+pub fn globe_tag(pupil_radius_mm: f32, tears_s: f64) -> MeshTag {
+    MeshTag(tear_age_code(tears_s) << 16 | pupil_code(pupil_radius_mm.into()))
+}
+
+/// Opening of the lids, of their usual one, below which they lay down a new film of tears: the margin has then passed the pupil.
+const LIDS_WIPE: f64 = 0.35;
+/// After so long a film has calmed, s.
+const TEARS_CALM_S: f64 = 3.0 * TEAR_DRIFT_S;
+
+/// The age at which a film of this age, s, that begins to break after `breakup_s` is drawn: between calming and breaking it
+/// does not change, and once it has broken all over no more.
+fn tears_drawn_s(age_s: f64, breakup_s: f64) -> f64 {
+    if age_s > TEARS_CALM_S && age_s < breakup_s {
+        TEARS_CALM_S
+    } else {
+        age_s.min((5.0 * breakup_s).max(TEARS_CALM_S))
+    }
+}
+
+/// Lets the tear films age, from when the lids last opened.
+pub fn age_tears(
+    eyes: Query<(&Cornea, &EyeOf)>,
+    people: Query<&Eyelids>,
+    mut models: Query<(&mut EyeParts, &Visibility)>,
+    mut tags: Query<&mut MeshTag>,
+    clock: Res<SimulationClock>,
+) {
+    for (mut parts, visibility) in &mut models {
+        let Some(Ok((cornea, owner))) = parts.eye.map(|eye| eyes.get(eye)) else {
+            continue;
+        };
+        let Ok(person) = people.get(owner.0) else {
+            continue;
+        };
+        if is_hidden(visibility) {
+            continue;
+        }
+        let is_wiped = person.aperture < LIDS_WIPE;
+        let opened_s = match parts.tears_from_s {
+            _ if is_wiped => clock.time_s,
+            Some(from) if from <= clock.time_s => from,
+            // Nobody has seen it blink, or the clock was set back: a film that is calm and whole.
+            _ => clock.time_s - TEARS_CALM_S.min(0.9 * cornea.tear_breakup_s),
+        };
+        if parts.tears_from_s != Some(opened_s) {
+            parts.bypass_change_detection().tears_from_s = Some(opened_s);
+        }
+        let tag = globe_tag(
+            parts.pupil_radius_mm,
+            tears_drawn_s(clock.time_s - opened_s, cornea.tear_breakup_s),
+        );
+        if parts.tag == Some(tag.0) {
+            continue;
+        }
+        // From here on the picture of it changes.
+        parts.tag = Some(tag.0);
+        for (entity, _) in &parts.globe {
+            if let Ok(mut own) = tags.get_mut(*entity) {
+                *own = MeshTag(tag.0);
+            }
+        }
+    }
 }
 
 /// Clouds the lenses, where their media have changed.
@@ -290,6 +347,19 @@ pub fn move_lids(
 mod tests {
     use super::super::mesh_fill::height_at;
     use super::*;
+
+    #[test]
+    fn a_film_is_drawn_anew_while_it_changes() {
+        assert_eq!(tears_drawn_s(0.4, 20.0), 0.4);
+        assert_eq!(tears_drawn_s(7.0, 20.0), tears_drawn_s(19.0, 20.0));
+        assert!(tears_drawn_s(21.0, 20.0) > 20.9);
+        assert_eq!(tears_drawn_s(1e6, 20.0), 100.0);
+        // One that breaks at once changes until it has.
+        assert_eq!(
+            (tears_drawn_s(2.0, 1.0), tears_drawn_s(9.0, 1.0)),
+            (2.0, 5.0)
+        );
+    }
 
     #[test]
     fn margins_are_sampled_either_way_round() {

@@ -23,8 +23,8 @@ mod vessels;
 
 use crate::optics::fresnel::diffuse_surface;
 use crate::optics::smoothstep::smoothstep;
-use crate::tissue::noise::{fbm, lerp, value_noise};
-use crate::tissue::sclera::{SCLERA_INDEX, ScleraTable, ScleralTissue};
+use crate::tissue::noise::{fbm, lerp, value_noise, worley};
+use crate::tissue::sclera::{SCLERA_INDEX, ScleraTable, ScleralTissue, epithelium_passes};
 
 /// Angle from the corneal axis at the middle of the map's edges, degrees.
 pub const MAP_EDGE_DEG: f32 = 100.0;
@@ -65,6 +65,9 @@ pub struct ScleraMapSettings {
     pub flush_radius: f32,
     /// How sharply it does, against its own, 0.25 to 4.
     pub flush_hardness: f32,
+    /// Melanosomes in the epithelium, share of its volume, 0 to 0.2: in the mean of where they are, about the limbus and between the
+    /// lids.
+    pub melanin: f32,
 }
 
 impl Default for ScleraMapSettings {
@@ -78,6 +81,7 @@ impl Default for ScleraMapSettings {
             nasal_sign: -1.0,
             flush_radius: 1.0,
             flush_hardness: 1.0,
+            melanin: 0.0,
         }
     }
 }
@@ -104,6 +108,7 @@ impl ScleraMapSettings {
             nasal_sign: if self.nasal_sign > 0.0 { 1.0 } else { -1.0 },
             flush_radius: legal(self.flush_radius, 0.5, 1.5, default.flush_radius),
             flush_hardness: legal(self.flush_hardness, 0.25, 4.0, default.flush_hardness),
+            melanin: legal(self.melanin, 0.0, 0.2, default.melanin),
         }
     }
 }
@@ -118,7 +123,8 @@ pub struct ScleraMap {
     /// Texels along each side of the map of vessels.
     pub vessels_size: usize,
     /// Columns of blood, mm, in conjunctival vessels and in those of the episclera and deeper; relief, mm (about
-    /// ±0.05, positive outwards); 0.
+    /// ±0.05, positive outwards); height of the lumps of plica and caruncle, mm, which stand in the head: about the direction that
+    /// an eye has straight ahead.
     pub vessels: Vec<[f32; 4]>,
 }
 
@@ -141,6 +147,7 @@ impl ScleraMap {
             f64::from(settings.bilirubin_mg_dl),
             diffuse_surface(SCLERA_INDEX),
         );
+        let epithelium = epithelium_passes(f64::from(settings.melanin)).map(|c| c as f32);
         let slow = SlowFields::new(seed, fine);
         let texels = (0..coarse * coarse)
             .map(|index| {
@@ -149,7 +156,7 @@ impl ScleraMap {
                 ground(
                     seed,
                     &settings,
-                    &table,
+                    (&table, epithelium),
                     place_of(column, row, coarse),
                     cloud,
                 )
@@ -168,7 +175,7 @@ impl ScleraMap {
                     blood.shallow[index],
                     bilinear(&blood.deep, coarse, column, row),
                     relief_mm(seed, place_of(column, row, fine), fold) + 0.06 * lump,
-                    0.0,
+                    lumps_mm(seed, &settings, place_of(column, row, fine)),
                 ]
             })
             .collect();
@@ -299,7 +306,7 @@ fn thickness_mm(settings: &ScleraMapSettings, [x, y]: Place) -> f32 {
 fn ground(
     seed: u32,
     settings: &ScleraMapSettings,
-    table: &ScleraTable,
+    (table, epithelium): (&ScleraTable, [f32; 3]),
     place: Place,
     cloud: f32,
 ) -> [f32; 4] {
@@ -335,15 +342,38 @@ fn ground(
                 * (1.0 + 0.5 * cloud + 0.25 * fine).max(0.1),
         ),
         yellowing: f64::from(
-            0.7 + 0.9 * age
+            0.5 + 0.9 * age
                 + sideways * (0.3 + 0.9 * age)
                 + 5.0 * elastotic * settings.pinguecula.max(0.35 * smoothstep(0.3, 0.8, age)),
         ),
         ..ScleralTissue::default()
     };
-    let [red, green, blue] = table.sample(&tissue).map(|c| c as f32);
+    let white = table.sample(&tissue).map(|c| c as f32);
     let shade = 1.0 + 0.02 * cloud + 0.012 * fine;
-    [red * shade, green * shade, blue * shade, 1.0]
+    let ring = smoothstep(LIMBUS_DEG + 16.0, LIMBUS_DEG, radius + 7.0 * cloud);
+    let patch = (0.3 + 1.4 * ring + 0.4 * sideways) * (1.0 + 0.9 * cloud + 0.4 * fine).max(0.0);
+    let [red, green, blue] = core::array::from_fn(|c| white[c] * shade * epithelium[c].powf(patch));
+    [red, green, blue, 1.0]
+}
+
+/// Angle from the front within which the inner corner shows nothing of plica and caruncle, degrees.
+const LUMPS_FROM_DEG: f32 = 32.0;
+
+/// Height, mm, of the lumps that make plica and caruncle uneven: lobules of glands 0.5 mm wide, papillae of half of that (choices).
+fn lumps_mm(seed: u32, settings: &ScleraMapSettings, [x, y]: Place) -> f32 {
+    if x * settings.nasal_sign < LUMPS_FROM_DEG || y.abs() > 45.0 {
+        return 0.0;
+    }
+    // Five degrees are a millimetre.
+    let lobules = worley(x * 0.4, y * 0.4, [0, 0], seed ^ 0xb3);
+    let papillae = worley(x * 0.95, y * 0.85, [0, 0], seed ^ 0xb4);
+    let dome = |nearest: f32| (1.0 - nearest * nearest).max(0.0);
+    let there = smoothstep(
+        LUMPS_FROM_DEG,
+        LUMPS_FROM_DEG + 4.0,
+        x * settings.nasal_sign,
+    ) * smoothstep(45.0, 40.0, y.abs());
+    there * (0.085 * dome(lobules.nearest) + 0.03 * dome(papillae.nearest))
 }
 
 /// Fine relief of the conjunctiva, mm: soft folds that grow towards the fornices.

@@ -17,8 +17,8 @@ pub const TILE_MM: f32 = 16.0;
 fn height_mm(x: f32, y: f32, seed: u32) -> f32 {
     let s = 1.0 / SIDE as f32;
     let (u, v) = (x * s, y * s);
-    // Polygons between the primary lines, 0.9 mm wide and flattened along the lid.
-    let plates = worley(u * 17.0, v * 25.0, [17, 25], seed);
+    // Polygons between the primary lines, half a millimetre wide and flattened along the lid.
+    let plates = worley(u * 28.0, v * 38.0, [28, 38], seed);
     let lines = (plates.second - plates.nearest).clamp(0.0, 0.30) / 0.30;
     let fine = gradient_noise(u * 64.0, v * 86.0, [64, 86], seed ^ 0x51);
     let soft = gradient_noise(u * 9.0, v * 13.0, [9, 13], seed ^ 0x52);
@@ -29,7 +29,7 @@ fn height_mm(x: f32, y: f32, seed: u32) -> f32 {
     } else {
         0.0
     };
-    0.018 * lines + 0.008 * fine + 0.022 * soft - 0.022 * pit * pit
+    0.021 * lines + 0.007 * fine + 0.022 * soft - 0.022 * pit * pit
 }
 
 /// The tile, row by row.

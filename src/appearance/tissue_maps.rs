@@ -8,16 +8,19 @@ use super::materials::{GlobeUniform, LidMargins};
 use super::model::side;
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use super::shading::sclera_shade::EPISCLERAL_DEPTH_MM;
-use crate::anatomy::{Cornea, Iris, Sclera};
+use crate::anatomy::{Cornea, Iris, Sclera, Skin};
 use crate::frame::mips::chain;
 use crate::optics::fresnel::diffuse_surface;
 use crate::optics::globe::GlobeShape;
+use crate::optics::smoothstep::smoothstep;
 use crate::tissue::fundus::fundus_color;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable, IrisTissue};
+use crate::tissue::media::cornea_backscatter;
 use crate::tissue::sclera::{
-    LAMELLAE, SCLERA_INDEX, ScleralTissue, lamellae, returned_above, sclera_reflectance,
+    LAMELLAE, SCLERA_INDEX, ScleralTissue, epithelium_passes, lamellae, returned_above,
+    sclera_reflectance,
 };
-use crate::tissue::skin::{SKIN_INDEX, SkinVariation};
+use crate::tissue::skin::{SKIN_INDEX, SkinTissue, SkinVariation};
 use bevy::image::Image;
 use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
@@ -32,6 +35,11 @@ pub(super) fn skin_albedo(tone: f64) -> Vec3 {
     } else {
         middle.lerp(dark, tone * 2.0 - 1.0)
     }
+}
+
+/// How deep wrinkles are at this age, mm: none to be seen before the thirties (a choice: what is printed counts and grades them).
+pub(super) fn wrinkles_mm(age_years: f64) -> f32 {
+    0.11 * smoothstep(32.0, 80.0, age_years) as f32
 }
 
 /// How such skin changes from place to place. Dark skin holds its melanin more evenly: what varies by a share of it is as
@@ -103,8 +111,8 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
             (1.0 - iris.sector_at_deg / 360.0).rem_euclid(1.0) as f32,
             (0.5 * sector_deg / 360.0) as f32,
         ],
-        border_layer_cover: 0.15 + 0.45 * share,
-        central_heterochromia: 0.3 + 0.25 * ring,
+        border_layer_cover: 0.15 + 0.3 * share,
+        central_heterochromia: 0.45 + 0.15 * ring,
         crypt_density: 0.5 - 0.15 * share,
         furrow_count: if share > 0.7 { 5 } else { 4 },
         ..IrisMapSettings::default()
@@ -128,8 +136,22 @@ const FLESH: ScleralTissue = ScleralTissue {
     yellowing: 1.0,
     bilirubin_mg_dl: 0.6,
 };
+/// Melanin in the epithelium of lid margins, of plica and caruncle and of the white, against that of the same person's skin (choices:
+/// in dark people all three are seen to be brown, the last in patches about the limbus).
+const MARGIN_MELANIN: f64 = 0.35;
+const CARUNCLE_MELANIN: f64 = 0.2;
+const WHITE_MELANIN: f64 = 0.1;
+/// Colour, linear sRGB, of flesh whose epithelium has this share of the skin's melanin.
+fn pigmented(flesh: Vec3, skin: &Skin, of_skin: f64) -> Vec3 {
+    let melanin = of_skin * SkinTissue::face(skin.tone).melanin_share;
+    flesh * color(epithelium_passes(melanin))
+}
+/// Colour of somebody's lid margins where tears wet them.
+pub(super) fn margin_flesh(sclera: &Sclera, skin: &Skin) -> Vec3 {
+    pigmented(flesh(sclera), skin, MARGIN_MELANIN)
+}
 /// Its colour, linear sRGB.
-pub(super) fn flesh(sclera: &Sclera) -> Vec3 {
+fn flesh(sclera: &Sclera) -> Vec3 {
     let tissue = ScleralTissue {
         blood_share: FLESH.blood_share * (1.0 + sclera.redness),
         bilirubin_mg_dl: sclera.bilirubin_mg_dl,
@@ -179,6 +201,7 @@ pub(super) fn sclera_images(anatomy: &Anatomy<'_>, fine: bool) -> [Image; 2] {
             nasal_sign: -side(eye.laterality),
             flush_radius: anatomy.look.flush_radius as f32,
             flush_hardness: anatomy.look.flush_hardness as f32,
+            melanin: (WHITE_MELANIN * SkinTissue::face(anatomy.skin.tone).melanin_share) as f32,
         },
         if fine { 2048 } else { 512 },
     );
@@ -226,8 +249,9 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         limbus_mm: cornea.limbus_radius_mm as f32,
         sclera_radius_mm: eye.scleral_radius_mm as f32,
         lipid_nm: cornea.lipid_thickness_nm as f32,
+        tear_breakup_s: cornea.tear_breakup_s as f32,
         relief: 1.0,
-        flesh: flesh(anatomy.sclera),
+        flesh: pigmented(flesh(anatomy.sclera), anatomy.skin, CARUNCLE_MELANIN),
         above_vessels: above_vessels(anatomy.sclera),
         iris_sky: {
             let sky = light_settings(cornea, iris).sky().map(|value| value as f32);
@@ -242,6 +266,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,
         pupil_magnification: cornea.pupil_magnification(iris.depth_mm) as f32,
         fundus: fundus(),
+        cornea_haze: color(cornea_backscatter()),
         lens_passes: Vec3::ONE,
         lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
         // The lens is filled in by its media and by what it is focused for, the pupil's place by who moves it.

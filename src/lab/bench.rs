@@ -14,6 +14,7 @@ use super::approximations::{
     tables_at_run_time, task_csv,
 };
 use super::eye_cost::{self, EyeCost};
+use super::eye_frames::{self, EyeFrames};
 use super::frame_cost::{self, CrowdCost, ViewsCost};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
@@ -103,6 +104,8 @@ struct Summary {
     field_time_ratio_8x_volume: f64,
     /// What an eye costs the processor.
     eye: EyeCost,
+    /// What its picture costs, by lamps and distance.
+    eye_frames: Vec<EyeFrames>,
     /// What people cost whom nobody draws.
     crowds: Vec<CrowdCost>,
     /// What views of one still scene cost.
@@ -395,6 +398,10 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
          {:.2} ms while time stands; the frame without it {:.2} ms",
         eye.turning_ms, eye.still_ms, eye.paused_ms, eye.nothing_shown_ms
     );
+    let eye_frames = eye_frames::cases(|| session(brown, 1.0), count)?;
+    for case in &eye_frames {
+        eprintln!("eye, {:<14} {:7.2} ms a frame", case.name, case.ms_median);
+    }
     let crowds = [1, 10, 100]
         .map(|people| frame_cost::crowd(people, count))
         .into_iter()
@@ -429,6 +436,7 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
         frames,
         field,
         eye,
+        eye_frames,
         crowds,
         views,
         requirements,

@@ -9,6 +9,7 @@ pub mod bench;
 pub mod display;
 #[cfg(feature = "app")]
 pub mod eye_cost;
+pub mod eye_frames;
 pub mod frame_cost;
 pub mod frame_folder;
 pub mod headless;

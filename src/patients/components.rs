@@ -77,6 +77,7 @@ impl PatientFile {
                 aqueous_index: own.aqueous_index,
                 limbus_radius_mm: own.limbus_radius_mm,
                 lipid_thickness_nm: own.lipid_thickness_nm,
+                tear_breakup_s: own.tear_breakup_s,
                 arcus: own.arcus,
             },
             Iris {
@@ -128,6 +129,7 @@ impl PatientFile {
                 white_relief_size: own.look_white_relief_size,
                 flush_radius: own.look_flush_radius,
                 flush_hardness: own.look_flush_hardness,
+                parallax: own.look_parallax,
                 matcap: own.look_matcap,
             },
         )
@@ -368,6 +370,7 @@ fn with_eye(
         iris_depth_mm: iris.depth_mm,
         scleral_radius_mm: eye.scleral_radius_mm,
         lipid_thickness_nm: cornea.lipid_thickness_nm,
+        tear_breakup_s: cornea.tear_breakup_s,
         arcus: cornea.arcus,
         iris_freckles: iris.freckles,
         iris_sector_deg: iris.sector_deg,
@@ -395,6 +398,7 @@ fn with_eye(
         look_white_relief_size: look.white_relief_size,
         look_flush_radius: look.flush_radius,
         look_flush_hardness: look.flush_hardness,
+        look_parallax: look.parallax,
         look_matcap: look.matcap,
         stroma_melanin_fraction: iris.stroma_melanin_fraction,
         border_layer_melanin_fraction: iris.border_layer_melanin_fraction,

@@ -389,6 +389,7 @@ with_conditions! { patient_file! {
         iris_sector_at_deg = 270.0, 0 to 360, "°", "middle of that sector, counted as axes are";
         scleral_radius_mm = 11.5, 10.5 to 12.5, "mm", "radius of the scleral sphere";
         lipid_thickness_nm = 55.0, 0 to 200, "nm", "oily layer of the tear film";
+        tear_breakup_s = 20.0, 1 to 60, "s", "how long after a blink the tear film begins to break; below 10 is dry";
         redness = Sclera::DEFAULT.redness, 0 to 1, "", "redness of the conjunctiva";
         bilirubin_mg_dl = Sclera::DEFAULT.bilirubin_mg_dl, 0 to 50, "mg/dL", "bilirubin in the serum; from 2.5 the white is yellow";
         pinguecula = Sclera::DEFAULT.pinguecula, 0 to 1, "", "yellow, raised tissue beside the limbus";
@@ -412,6 +413,7 @@ with_conditions! { patient_file! {
         look_white_relief_size = Look::DEFAULT.white_relief_size, 0.25 to 4, "", "artist's: size of that relief, against its own";
         look_flush_radius = Look::DEFAULT.flush_radius, 0.5 to 1.5, "", "artist's: how far from the cornea the white turns pink, against its own";
         look_flush_hardness = Look::DEFAULT.flush_hardness, 0.25 to 4, "", "artist's: how sharply it does, against its own";
+        look_parallax = Look::DEFAULT.parallax, 0 to 1, "", "artist's: share of the iris, from the examiner's left, that lies where parallax mapping puts it; 0.5 shows both beside each other";
         look_matcap = Look::DEFAULT.matcap, 0 to 1, "", "artist's: strength of a reflection that follows the camera";
     }
     eye_options {

@@ -84,8 +84,8 @@ impl IrisPigment {
     };
     /// Dense melanin in both layers, enough of it pheomelanin to be warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.04,
-        border_layer_melanin_fraction: 0.46,
+        stroma_melanin_fraction: 0.05,
+        border_layer_melanin_fraction: 0.42,
         eumelanin_ratio: 0.05,
     };
 

@@ -13,6 +13,7 @@
 //! - [`iris_layers`], [`iris_reflectance`]: the iris as layers, and its colour as a function or
 //!   table;
 //! - [`blood`], [`sclera`]: what haemoglobin takes, and the white of an eye as layers;
+//! - [`media`]: what the clear media take and send back;
 //! - [`noise`]: what is irregular in them;
 //! - [`scattering_orders`] and `colour_difference` (not in the web build): how wrong each estimate
 //!   is.
@@ -27,6 +28,7 @@ pub mod iris_layers;
 pub mod iris_reflectance;
 pub mod layers;
 pub mod many_flux;
+pub mod media;
 pub mod melanin;
 pub mod noise;
 pub mod phase;

@@ -15,7 +15,7 @@
 use super::blood::{CONJUNCTIVAL_SATURATION, blood_absorption, packed};
 use super::layers::Layer;
 use super::many_flux::LayerFlux;
-use super::melanin::baseline_absorption;
+use super::melanin::{baseline_absorption, eumelanin_absorption};
 use super::phase::PhaseMix;
 use super::spectrum::{FIRST_NM, SAMPLES, STEP_NM, Spectrum, spectrum_to_linear_srgb};
 
@@ -143,6 +143,19 @@ pub fn sclera_reflectance(tissue: &ScleralTissue, surface: [f64; 2]) -> [f64; 3]
     let spectrum: Spectrum = core::array::from_fn(|i| {
         let below = sclera_layer(i, tissue);
         over_uvea(&covering_layer(i, blood[i], tissue), &below, surface)
+    });
+    spectrum_to_linear_srgb(&spectrum).map(|channel| channel.clamp(0.0, 1.0))
+}
+
+/// Thickness of the epithelium of conjunctiva, mm (REFERENCE-face).
+const EPITHELIUM_MM: f64 = 0.044;
+
+/// What the epithelium of conjunctiva and lid margins leaves of diffuse light that crosses it twice, linear sRGB, where melanosomes
+/// take this share of its volume (0 to 1): diffuse light goes twice as far as its layer is thick.
+pub fn epithelium_passes(melanin_share: f64) -> [f64; 3] {
+    let share = bounded(melanin_share, 1.0);
+    let spectrum: Spectrum = core::array::from_fn(|i| {
+        (-4.0 * EPITHELIUM_MM * share * eumelanin_absorption(wavelength(i))).exp()
     });
     spectrum_to_linear_srgb(&spectrum).map(|channel| channel.clamp(0.0, 1.0))
 }

@@ -112,6 +112,29 @@ fn cornea() {
         steep_share: 0.003,
     });
     pass(&Twin {
+        name: "parallax_place",
+        library: &["cornea"],
+        call: "let p = parallax_place(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), PARALLAX_SHARE * x[6]); \
+               y[0] = p.x; y[1] = p.y;",
+        draw: &|rng| {
+            let mut x = ray(rng).to_vec();
+            // Before the eye's face a ray goes into it, not along it.
+            x[5] = x[5].abs().max(0.3);
+            x.push(between(rng, 3.0, 4.2));
+            x
+        },
+        exact: &|x| {
+            let depth = cornea::PARALLAX_SHARE * x[6];
+            cornea::parallax_place(v3(x), v3(&x[3..]), depth)
+                .to_array()
+                .to_vec()
+        },
+        // A step of some 30 mm along a slope of 5: six roundings of 150 mm, in a sum that may be small.
+        absolute: 1e-4,
+        relative: 0.0,
+        steep_share: 0.0,
+    });
+    pass(&Twin {
         name: "cornea_trace_single",
         library: &["cornea"],
         call: &format!(

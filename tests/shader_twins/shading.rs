@@ -11,8 +11,8 @@ use ocularium::appearance::illumination::Lamp;
 use ocularium::appearance::materials::{LID_SAMPLES, LidMargins};
 use ocularium::appearance::shading::lid_shade::LidShade;
 use ocularium::appearance::shading::{
-    footprint, hair_shade, knots, lamp_lobe, lens_shade, lid_shade, limbus, surroundings,
-    tear_reflection,
+    footprint, hair_shade, iris_relief, knots, lamp_lobe, lens_shade, lid_shade, limbus,
+    surroundings, tear_layer, tear_reflection,
 };
 use rand_pcg::Pcg64;
 
@@ -444,7 +444,12 @@ fn lamp_lobes() {
 fn draw_mirror(rng: &mut Pcg64) -> Vec<f32> {
     let mut x: Vec<f32> = (0..6).map(|_| between(rng, 0.0, 1.0)).collect();
     draw_views(rng, &mut x);
-    x.extend([between(rng, 0.0, 200.0), between(rng, -3.0, 12.0)]);
+    x.extend([
+        between(rng, 0.0, 200.0),
+        between(rng, -3.0, 12.0),
+        between(rng, -14.0, 14.0),
+        10.0_f32.powf(between(rng, -3.0, -0.5)),
+    ]);
     x
 }
 
@@ -457,7 +462,9 @@ fn tears() {
         &Twin {
             name: "tear_reflection",
             library: &["tear_reflection"],
-            call: &format!("{VIEWS} let c = tear_reflection(m, k, n, v, x[12], x[13]); {RGB_OUT}"),
+            call: &format!(
+                "{VIEWS} let c = tear_reflection(m, k, n, v, x[12], x[14], x[13], 1.0); {RGB_OUT}"
+            ),
             draw: &draw_mirror,
             exact: &|x| {
                 rgb(tear_reflection::tear_reflection(
@@ -466,7 +473,9 @@ fn tears() {
                     v3(&x[6..]),
                     v3(&x[9..]),
                     x[12],
-                    x[13],
+                    [x[14], x[13]],
+                    // Seen from so far that the lashes' comb, which a test of its own runs, is even.
+                    1.0,
                 ))
             },
             // A film's cosine of its phase, of numbers up to 10.
@@ -476,6 +485,83 @@ fn tears() {
         },
         &[],
         13,
+        0.1,
+    );
+    pass_unless_off(
+        &Twin {
+            name: "lashes_pass",
+            library: &["tear_reflection"],
+            call: "y[0] = lashes_pass(x[14], normalize(vec3f(x[6], x[7], x[8])), x[13], x[15]);",
+            draw: &draw_mirror,
+            exact: &|x| {
+                vec![tear_reflection::lashes_pass(
+                    x[14],
+                    v3(&x[6..]).normalize(),
+                    x[13],
+                    x[15],
+                )]
+            },
+            // 19 rad a millimetre at a place of 40 mm, good to 5e-6, through a step of 2.3 and 0.8.
+            absolute: 2e-4,
+            relative: 0.0,
+            steep_share: 0.004,
+        },
+        &[],
+        14,
+        0.02,
+    );
+    pass_unless_off(
+        &Twin {
+            name: "tagged_pupil",
+            library: &["tear_layer", "iris_relief"],
+            call: "let tag = (u32(x[0]) << 16u) | u32(x[1]); y[0] = tear_age(tag); y[1] = tagged_pupil(tag); y[2] = BROKEN_BLUR;",
+            draw: &|rng| vec![between(rng, 0.0, 65535.0), between(rng, 0.0, 65535.0)],
+            exact: &|x| {
+                let tag = (x[0] as u32) << 16 | x[1] as u32;
+                vec![
+                    tear_layer::tear_age(tag),
+                    iris_relief::tagged_pupil(tag),
+                    tear_layer::BROKEN_BLUR,
+                ]
+            },
+            // An exponential of up to 6.
+            absolute: 1e-6,
+            relative: 3e-6,
+            steep_share: 0.0,
+        },
+        &[],
+        1,
+        3.0,
+    );
+    pass_unless_off(
+        &Twin {
+            name: "tear_layer",
+            library: &["tear_layer"],
+            call: "let t = tear_layer(vec2f(x[0], x[1]), x[2], x[3], x[4], x[5]); y[0] = 0.01 * t.lipid_nm; y[1] = 100.0 * t.tilt.x; \
+                   y[2] = 100.0 * t.tilt.y; y[3] = t.broken;",
+            draw: &|rng| {
+                vec![
+                    between(rng, -14.0, 14.0),
+                    between(rng, -10.0, 10.0),
+                    10.0_f32.powf(between(rng, -3.0, 2.0)),
+                    between(rng, 0.0, 200.0),
+                    between(rng, 1.0, 60.0),
+                    between(rng, 0.0, 6.3),
+                ]
+            },
+            exact: &|x| {
+                let layer = tear_layer::tear_layer(v2(x), x[2], x[3], x[4], x[5]);
+                let tilt = 100.0 * layer.tilt;
+                vec![0.01 * layer.lipid_nm, tilt.x, tilt.y, layer.broken]
+            },
+            // WGSL allows a sine 2^-11 within half a turn, and places here are up to fifteen turns away; half as much of the fresh
+            // film's slope, and of where it breaks.
+            absolute: 4e-3,
+            relative: 1e-4,
+            steep_share: 0.01,
+        },
+        &[],
+        0,
         0.1,
     );
     pass_unless_off(

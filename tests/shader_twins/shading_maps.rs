@@ -109,6 +109,50 @@ fn sclera() {
     let above = DVec3::new(0.2, 0.3, 0.45);
     pass_unless_off(
         &Twin {
+            name: "lump_color",
+            library: &["sclera_shade"],
+            call: &format!("let c = lump_color(x[0]); {RGB_OUT}"),
+            draw: &|rng| vec![between(rng, -0.05, 0.2)],
+            exact: &|x| rgb(sclera_shade::lump_color(x[0])),
+            // A cubic of numbers of one.
+            absolute: 1e-6,
+            relative: 0.0,
+            steep_share: 0.0,
+        },
+        &[],
+        0,
+        1e-2,
+    );
+    pass_unless_off(
+        &Twin {
+            name: "lumps_at",
+            library: &["sclera_shade"],
+            call: "let r = lumps_at(vessel_map, vessel_map_sampler, vec3f(x[0], x[1], x[2]), x[6], x[7]); \
+                   y[0] = 20.0 * r.x; y[1] = r.y; y[2] = r.z; y[3] = r.w;",
+            draw: &|rng| {
+                let mut x = draw_place(rng).to_vec();
+                x.extend([
+                    10.0_f32.powf(between(rng, -3.0, 0.5)),
+                    between(rng, 10.5, 12.5),
+                ]);
+                x
+            },
+            exact: &|x| {
+                let lumps = sclera_shade::lumps_at(&vessel_view, v3(x), x[6], x[7]);
+                vec![20.0 * lumps.x, lumps.y, lumps.z, lumps.w]
+            },
+            // A ninth of a texel of 0.04 mm, as for the white's own relief; where lumps meet the slope changes by 0.7 within one.
+            absolute: 8e-2,
+            relative: 0.0,
+            // Where the level jumps to the next.
+            steep_share: 0.004,
+        },
+        std::slice::from_ref(&vessels),
+        0,
+        0.1,
+    );
+    pass_unless_off(
+        &Twin {
             name: "sclera_surface",
             library: &["sclera_shade"],
             call: "let r = sclera_surface(sclera_map, vessel_map, sclera_map_sampler, vec3f(x[0], x[1], x[2]), \
@@ -431,14 +475,14 @@ fn the_light_of_the_iris() {
 #[test]
 fn what_shows_through_the_pupil() {
     let call = format!(
-        "{IRIS} let c = pupil_radiance(vec3f(x[8], x[9], x[10]), x[14] * vec3f(0.012, 0.010, 0.006)); {RGB_OUT} \
+        "{IRIS} let c = x[14] * vec3f(0.012, 0.010, 0.006); {RGB_OUT} \
          y[3] = pupil_edge(p, x[15], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[11], x[12], x[13]), vec3f(x[8], x[9], x[10]), y[3], p.y); \
          y[4] = m.x; y[5] = m.y; y[6] = m.z; \
          y[7] = iris_path(x[14], -x[15], x[9]);"
     );
     pass_unless_off(
         &Twin {
-            name: "pupil_radiance",
+            name: "iris_and_pupil",
             library: &["iris_shade"],
             call: &call,
             draw: &|rng| {
@@ -450,10 +494,7 @@ fn what_shows_through_the_pupil() {
             },
             exact: &|x| {
                 let (place, iris) = (v2(&x[6..]), iris_of(x));
-                let pupil = iris_shade::pupil_radiance(
-                    v3(&x[8..]),
-                    x[14] * DVec3::new(0.012, 0.010, 0.006),
-                );
+                let pupil = x[14] * DVec3::new(0.012, 0.010, 0.006);
                 let edge = iris_shade::pupil_edge(place, x[15], iris.width());
                 let both =
                     iris_shade::iris_and_pupil(pupil, v3(&x[11..]), v3(&x[8..]), edge, place.y);

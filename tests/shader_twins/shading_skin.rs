@@ -3,7 +3,7 @@
 use super::shading::{RGB_OUT, VIEWS, draw_views, pass_unless_off, rgb, v4};
 use super::{between, unit, v3};
 use crate::gpu::Twin;
-use glam::{DVec3, Vec3Swizzles};
+use glam::{DVec2, DVec3, Vec3Swizzles};
 use ocularium::appearance::shading::skin_shade;
 use rand_pcg::Pcg64;
 
@@ -95,6 +95,34 @@ fn skin() {
         &albedo,
         [4e-6, 4e-6],
         (12, 2e-2),
+    );
+    let margin = |x: &[f64]| {
+        let (along, footprint) = (60.0 * (x[24] - 0.5), 1.2 * x[28] * x[28] + 0.002);
+        let albedo = skin_shade::margin_albedo(v3(x), v3(&x[3..]), x[12], along, footprint);
+        rgb(albedo * skin_shade::margin_wet(x[13]))
+    };
+    // The soft edge of a gland's opening, over a place of 15 mm.
+    compare(
+        "margin_albedo",
+        "margin_albedo(m, k, x[12], 60.0 * (x[24] - 0.5), 1.2 * x[28] * x[28] + 0.002) * margin_wet(x[13])",
+        &margin,
+        [2e-5, 0.0],
+        (12, 2e-2),
+    );
+    let wrinkled = |x: &[f64]| {
+        let q = DVec2::new(40.0 * (x[0] - 0.4), 30.0 * (x[1] - 0.7));
+        rgb(skin_shade::skin_tilted(
+            v3(&x[6..]),
+            skin_shade::skin_wrinkles(q, 0.1 * x[2]),
+        ))
+    };
+    // WGSL allows an arc tangent 4096 ulp, 1e-3 of a groove, whose slope's is 1.7 of it each 0.13 of that way.
+    compare(
+        "skin_wrinkles",
+        "skin_tilted(n, skin_wrinkles(vec2f(40.0 * (x[0] - 0.4), 30.0 * (x[1] - 0.7)), 0.1 * x[2]))",
+        &wrinkled,
+        [5e-4, 0.0],
+        (2, 1e-1),
     );
     let light = |x: &[f64]| {
         let tissue = v4(&x[12..]);

@@ -146,6 +146,10 @@ pub(super) enum StageArg {
     Light,
     /// And the iris' relief: all of it.
     Full,
+    /// All of it, but with the iris where parallax mapping puts it in place of refraction.
+    Parallax,
+    /// That on the left and refraction on the right half of the iris.
+    SideBySide,
 }
 
 impl StageArg {
@@ -155,6 +159,10 @@ impl StageArg {
             return patient;
         }
         patient.with_change(None, |eye| {
+            if let Self::Parallax | Self::SideBySide = self {
+                eye.look_parallax = if self == Self::Parallax { 1.0 } else { 0.5 };
+                return;
+            }
             eye.look_iris_relief = 0.0;
             if self != Self::Light {
                 eye.look_caustic_scale = 0.0;

@@ -156,7 +156,7 @@ mod tests {
             ),
             (
                 "(lid_opening: 0.5, ptosis: (mrd1_mm: 3))",
-                "leave the margin at 0.18 mm",
+                "leave the margin at −0.4 mm",
             ),
         ] {
             assert!(said(text).contains(words), "{text}: {}", said(text));

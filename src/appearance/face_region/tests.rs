@@ -289,7 +289,9 @@ fn the_resting_fissure_has_adult_dimensions() {
     let out = posed(&region, &LidPose::default());
     let (medial, lateral) = (out.upper_margin[0], out.upper_margin[MARGIN_POINTS - 1]);
     assert!(
-        (27.0..30.0).contains(&(lateral.x - medial.x)),
+        // On photographs 2.1 to 2.47 of the iris' diameter of 11.7 mm, 2.3 in the middle; 25 to 30 mm, 27.1 in the mean of 76 young
+        // people (Read 2006).
+        (25.7..28.1).contains(&(lateral.x - medial.x)),
         "{medial} {lateral}"
     );
     assert!(
@@ -410,8 +412,9 @@ fn lashes_stand_on_the_lash_lines() {
     let region = EyeRegion::load().unwrap();
     let lashes = Lashes::new(7);
     assert!(
-        (90..=120).contains(&lashes.count(Lid::Upper))
-            && (40..=60).contains(&lashes.count(Lid::Lower))
+        // REFERENCE-face: 90 to 160 above, 50 to 80 below.
+        (90..=160).contains(&lashes.count(Lid::Upper))
+            && (50..=80).contains(&lashes.count(Lid::Lower))
     );
     let mut mesh = HairMesh::default();
     for aperture in [0.0, 1.0] {

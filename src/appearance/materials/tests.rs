@@ -114,7 +114,9 @@ fn every_number_is_where_its_shader_reads_it() {
         pupil_center_mm = Vec2::splat(9.0),
         sclera_radius_mm = 9.0,
         lipid_nm = 9.0,
+        tear_breakup_s = 9.0,
         lens = Vec3::splat(9.0),
+        cornea_haze = Vec3::splat(9.0),
         cortical_share = 9.0,
         nucleus = Vec3::splat(9.0),
         capsule_radius_mm = 9.0,
@@ -165,6 +167,7 @@ fn every_number_is_where_its_shader_reads_it() {
         white_specularity = 9.0,
         white_relief = 9.0,
         white_relief_size = 9.0,
+        parallax = 9.0,
         matcap = 9.0
     );
     same!(
@@ -190,7 +193,9 @@ fn every_number_is_where_its_shader_reads_it() {
         pores = 9.0,
         blood = Vec3::splat(9.0),
         melanin = Vec3::splat(9.0),
-        lid = Vec3::splat(9.0)
+        lid = Vec3::splat(9.0),
+        wrinkles_mm = 9.0,
+        mirror = 9.0
     );
     same!(
         HairUniform,

@@ -41,6 +41,7 @@ fn every_channel_stays_in_its_range_even_for_illegal_settings() {
         pinguecula: f32::NEG_INFINITY,
         flush_radius: f32::NAN,
         flush_hardness: f32::INFINITY,
+        melanin: f32::NAN,
         seed: 0,
     };
     let old = ScleraMapSettings {
@@ -51,6 +52,7 @@ fn every_channel_stays_in_its_range_even_for_illegal_settings() {
         pinguecula: 1.0,
         flush_radius: 9.0,
         flush_hardness: 1e9,
+        melanin: 1e9,
         seed: 0,
     };
     for settings in [wild, old, ScleraMapSettings::default()] {

@@ -62,7 +62,7 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
     deep_vessels(&mut blood, seed, redness);
     // Injected vessels are wider, and more of them are open.
     let fullness = 0.9 + 0.6 * redness;
-    let count = (52.0 + 90.0 * redness) as u32;
+    let count = (64.0 + 90.0 * redness) as u32;
     let habit = Habit {
         swing: 0.09,
         wriggle: 0.40,
@@ -74,13 +74,15 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
         gain: 1.0,
     };
     let mut dice = HashStream::new(seed, 41);
-    for _ in 0..count {
+    for which in 0..count {
         // Most come from the canthi, some from the fornices.
         let side = if dice.unit() < 0.5 { 0.0 } else { PI };
         let spread = if dice.unit() < 0.72 { 0.36 } else { 1.1 };
         let angle = side + spread * dice.normal();
         let start = dice.range(55.0, 99.0);
-        let radius_mm = fullness * (0.008 + 0.034 * dice.unit() * dice.unit());
+        // One or two in a quarter of an eye are thick.
+        let trunk = if which % 16 == 0 { 0.012 } else { 0.0 };
+        let radius_mm = fullness * (0.008 + trunk + 0.034 * dice.unit() * dice.unit());
         let tip = tip_at(&mut dice, angle, start, radius_mm, 75.0);
         grow_tree(&mut blood, &mut dice, tip, &habit);
     }

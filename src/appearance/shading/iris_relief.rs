@@ -33,6 +33,22 @@ impl IrisFrame {
     }
 }
 
+/// Widest pupil that a tag holds, mm of its radius.
+const TAGGED_MM: f64 = 8.0;
+
+/// Half of the tag of a globe's mesh: a pupil of this radius, mm, 0 to 8.
+pub fn pupil_code(radius_mm: f64) -> u32 {
+    // What is not a number counts as none.
+    (radius_mm / TAGGED_MM * 65535.0)
+        .round()
+        .clamp(0.0, 65535.0) as u32
+}
+
+/// Radius (mm) of the pupil in the tag of a globe's mesh, whose other half is the age of its tear film.
+pub fn tagged_pupil(tag: u32) -> f64 {
+    f64::from(tag & 0xffff) * (TAGGED_MM / 65535.0)
+}
+
 /// How many times as thick as in its map the stroma is at a pupil of this radius, mm: it keeps its volume.
 pub fn thicken(pupil_radius_mm: f64, root_radius_mm: f64) -> f64 {
     let root = root_radius_mm.max(1.0);

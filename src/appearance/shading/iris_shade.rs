@@ -262,12 +262,6 @@ pub fn iris_ambient(maps: &IrisMaps, surface: &IrisSurface, sky: f64) -> DVec3 {
     arrives * iris_reflectance(maps, surface, -IRIS_SKY_COSINE, Scattered::All)
 }
 
-/// What shows through the pupil of the irradiance / π on it, `light`: next to nothing (photographs: 0 to 0.04 of white), and
-/// what the lens sends back (`lens`).
-pub fn pupil_radiance(light: DVec3, lens: DVec3) -> DVec3 {
-    light * (DVec3::new(0.0019, 0.0015, 0.0014) + lens)
-}
-
 /// Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven
 /// and softened over a pixel.
 pub fn pupil_edge(uv: DVec2, footprint: f64, width: f64) -> f64 {

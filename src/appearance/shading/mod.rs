@@ -17,6 +17,7 @@ pub mod near_light;
 pub mod sclera_shade;
 pub mod skin_shade;
 pub mod surroundings;
+pub mod tear_layer;
 pub mod tear_reflection;
 
 fn mix(a: f64, b: f64, share: f64) -> f64 {

@@ -5,8 +5,9 @@ use super::footprint::footprint_level;
 use super::lid_shade::LidShade;
 use super::surroundings::wrapped_cosines;
 use crate::appearance::images::MapView;
+use crate::optics::smoothstep::smoothstep;
 use crate::tissue::sclera::SCLERA_INDEX;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// The map is azimuthal equidistant from the front, to 100°.
 pub const SCLERA_HALF_ANGLE: f64 = 1.7453293;
@@ -101,6 +102,34 @@ pub struct ScleraSight {
     pub v: DVec3,
     /// Width of a pixel, mm.
     pub footprint: f64,
+}
+
+/// The lumps of plica and caruncle at a point `p` of the head frame: their height (mm), how fast it rises
+/// along x and y, and whether there are any about it (1) or none (0).
+pub fn lumps_at(vessels: &MapView, p: DVec3, footprint: f64, sclera_radius: f64) -> DVec4 {
+    let uv = sclera_uv(p);
+    let side = vessels.size().x;
+    let texel = 2.0 * SCLERA_HALF_ANGLE * sclera_radius / side;
+    let lod = footprint_level(footprint, texel);
+    let step = 1.5 * lod.round_ties_even().exp2() / side;
+    let height = |x: f64, y: f64| vessels.sample(uv + DVec2::new(x, y) * step, lod)[3];
+    let here = height(0.0, 0.0);
+    let run = step * side * texel;
+    let about = vessels.sample(uv, lod.max((LUMPS_ABOUT_MM / texel).log2()))[3];
+    DVec4::new(
+        here,
+        (height(1.0, 0.0) - here) / run,
+        (height(0.0, 1.0) - here) / run,
+        smoothstep(0.0, 0.03, about),
+    )
+}
+
+/// How far about a place (mm) lumps count as being there.
+const LUMPS_ABOUT_MM: f64 = 1.3;
+
+/// What a place between or on those lumps sends back against their mean: hollows hold more blood and less light.
+pub fn lump_color(height: f64) -> DVec3 {
+    DVec3::new(0.80, 0.60, 0.57).lerp(DVec3::new(1.10, 1.12, 1.06), smoothstep(0.0, 0.11, height))
 }
 
 /// Albedo and normal at a place. `colors` holds the albedo without vessels, `vessels` columns of blood (mm) near the surface

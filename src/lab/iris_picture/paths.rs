@@ -231,7 +231,7 @@ impl IrisPicture {
         let at = self.meets(seen, lod);
         let surface = self.surface(seen, at, lod);
         let covered = iris_covered(&surface.texel);
-        let mut lit = self.sky(&surface);
+        let [mut lit, mut on_iris] = self.sky(&surface);
         for lamp in self.lamps() {
             let Some(arriving) = self.arriving(&lamp, at) else {
                 continue;
@@ -243,8 +243,10 @@ impl IrisPicture {
             let towards_z = arriving.towards.z;
             let again =
                 spread * iris_reflectance(&self.maps, &surface, towards_z, Scattered::Again);
+            let falls = passes * nearer * nearer * (-light.z).max(0.0);
+            on_iris += lamp.color.as_dvec3() * falls;
             lit += lamp.color.as_dvec3() * (passes * covered) * (once.max(DVec3::ZERO) + again);
         }
-        self.shown(seen, lit)
+        self.shown(seen, lit, on_iris)
     }
 }

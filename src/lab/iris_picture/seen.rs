@@ -7,7 +7,7 @@ use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
 use crate::appearance::shading::iris_relief::{
-    IrisFrame, IrisPlace, furrow_depth, iris_place, thicken,
+    IrisFrame, IrisPlace, furrow_depth, iris_place, tagged_pupil, thicken,
 };
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
@@ -18,6 +18,7 @@ use crate::appearance::shading::near_light::{iris_near_lamp, light_entry};
 use crate::appearance::shading::surroundings::{
     ambient_light, lamp_from, lamp_radiance, surroundings_radiance,
 };
+use crate::appearance::shading::tear_layer::{BROKEN_BLUR, tear_age, tear_layer};
 use crate::appearance::shading::tear_reflection::tear_reflection;
 use crate::lab::headless::{Headless, HeadlessError};
 use crate::optics::conicoid::conicoid_normal;
@@ -46,6 +47,8 @@ pub struct IrisPicture {
     around: MapView,
     head_from_eye: DMat3,
     camera: DVec3,
+    /// Age of the tear film, s.
+    tears_s: f64,
     /// To the right, up and ahead of the camera.
     axes: [DVec3; 3],
     /// Tangent of half its field.
@@ -78,11 +81,10 @@ impl IrisPicture {
         let materials = world.resource::<Assets<GlobeMaterial>>();
         let cornea = globes.iter(world).find_map(|(material, place, tag)| {
             let material = materials.get(&material.0)?;
-            (material.part == GlobePart::Cornea)
-                .then(|| (material.clone(), *place, f32::from_bits(tag.0)))
+            (material.part == GlobePart::Cornea).then(|| (material.clone(), *place, tag.0))
         });
-        let (material, place, pupil_mm) = cornea.ok_or_else(missing)?;
-        let pupil = f64::from(pupil_mm);
+        let (material, place, tag) = cornea.ok_or_else(missing)?;
+        let pupil = tagged_pupil(tag);
         let half_field = match world.get::<Projection>(camera) {
             Some(Projection::Perspective(own)) => (0.5 * f64::from(own.fov)).tan(),
             _ => return Err(missing()),
@@ -123,6 +125,7 @@ impl IrisPicture {
             around: headless.map(&material.around, false)?,
             head_from_eye: Mat3::from_mat4(globe.head_from_eye).as_dmat3(),
             camera: eye_from_camera.translation.as_dvec3(),
+            tears_s: tear_age(tag),
             axes: [axis(Vec3::X), axis(Vec3::Y), axis(Vec3::NEG_Z)],
             half_field,
             size,
@@ -240,29 +243,38 @@ impl IrisPicture {
         image.share * self.mirrored(place, self.head_from_eye * outside, SECOND_IMAGE_BLUR)
     }
 
-    /// What the camera gets of a pixel whose iris sends `lit` towards it.
-    pub(super) fn shown(&self, seen: &SeenIris, lit: DVec3) -> DVec3 {
+    /// What the camera gets of a pixel whose iris sends `lit` towards it, in this light (irradiance / π), of which the cornea
+    /// scatters a little back.
+    pub(super) fn shown(&self, seen: &SeenIris, lit: DVec3, light: DVec3) -> DVec3 {
         let aqueous = self.aqueous();
         let inside = lit / (aqueous * aqueous) + self.second_image(seen);
         let normal = conicoid_normal(seen.trace.entry, self.anterior().x, self.anterior().y);
-        let n = self.head_from_eye * normal;
         let v = self.head_from_eye * -seen.direction;
         let p = self.head_from_eye * (seen.trace.entry + self.apex());
-        let around = self.mirrored(p, 2.0 * n.dot(v) * n - v, CORNEA_BLUR);
+        let globe = &self.globe;
+        let [lipid, breakup, own] =
+            [globe.lipid_nm, globe.tear_breakup_s, globe.lens_turn].map(f64::from);
+        let tears = tear_layer(p.truncate(), self.tears_s, lipid, breakup, own);
+        let n = (self.head_from_eye * normal + tears.tilt.extend(0.0)).normalize();
+        let blur = CORNEA_BLUR + BROKEN_BLUR * tears.broken;
+        let around = self.mirrored(p, 2.0 * n.dot(v) * n - v, blur);
         let beside = ambient_light(&self.illumination.ambient, DVec3::new(0.0, -0.4, -0.9));
-        let lipid = f64::from(self.globe.lipid_nm);
-        let specular = tear_reflection(around, beside, n, v, lipid, seen.shade.upper_gap);
-        (inside * seen.trace.transmittance + specular) * f64::from(self.illumination.exposure)
+        let gap = [p.x, seen.shade.upper_gap];
+        let specular = tear_reflection(around, beside, n, v, tears.lipid_nm, gap, seen.footprint);
+        let haze = light * self.globe.cornea_haze.as_dvec3();
+        (inside * seen.trace.transmittance + haze + specular)
+            * f64::from(self.illumination.exposure)
     }
 
     /// What the sky sends back from this surface.
-    pub(super) fn sky(&self, surface: &IrisSurface) -> DVec3 {
+    pub(super) fn sky(&self, surface: &IrisSurface) -> [DVec3; 2] {
         let sky = self.globe.iris_sky.map(|values| f64::from(values.x));
         let arrives = iris_sky_knot(surface.at.length(), self.frame.root).read(&sky);
         let place = surface.at.extend(self.iris_depth()) + self.apex();
         let before = lids_at(&self.globe.lids, self.head_from_eye * place);
         let around = ambient_light(&self.illumination.ambient, -self.head_from_eye.z_axis);
-        iris_ambient(&self.maps, surface, arrives) * around * before.sky
+        let around = around * before.sky;
+        [iris_ambient(&self.maps, surface, arrives) * around, around]
     }
 
     /// The lamps that give light, their directions in the eye frame.
@@ -301,7 +313,7 @@ impl IrisPicture {
             &seen.start,
             seen.footprint,
         );
-        let mut lit = self.sky(&surface);
+        let [mut lit, mut light] = self.sky(&surface);
         let place = surface.at.extend(self.iris_depth());
         let (surface_of, root, limbus) = (self.anterior(), frame.root, frame.limbus);
         for lamp in self.lamps() {
@@ -326,10 +338,11 @@ impl IrisPicture {
                 radius *= lamp_from(&lamp, self.apex() + enters).1;
             }
             let passes = stronger * self.lids_leave(enters, direction, radius);
+            light += lamp.color.as_dvec3() * (passes * (-direction.z).max(0.0));
             lit += lamp.color.as_dvec3()
                 * passes
                 * iris_lamp(maps, frame, &self.tissue, &surface, arrives);
         }
-        self.shown(seen, lit)
+        self.shown(seen, lit, light)
     }
 }

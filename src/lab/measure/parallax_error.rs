@@ -10,7 +10,7 @@
 //! with the aqueous' index behind it or with the cornea's (as François et al. 2007 print it).
 
 use super::MeasuredEye;
-use crate::optics::cornea::{cornea_trace, cornea_trace_single};
+use crate::optics::cornea::{cornea_trace, cornea_trace_single, parallax_place};
 use crate::optics::ray_trace::{Interface, Ray, trace_into};
 use crate::optics::surface::{Placed, Quadric};
 use glam::{DVec2, DVec3};
@@ -157,10 +157,7 @@ fn place(eye: &MeasuredEye, method: Method, looked: &Looked, depth_mm: f64) -> O
     };
     match method {
         Method::Painted => Some(looked.entry.truncate()),
-        Method::Parallax => {
-            let slope = looked.direction.truncate() / looked.direction.z.max(1e-6);
-            Some(looked.entry.truncate() + slope * (depth_mm - looked.entry.z))
-        }
+        Method::Parallax => Some(parallax_place(looked.entry, looked.direction, depth_mm)),
         Method::Sphere => single(DVec2::new(eye.anterior_radius_mm, 1.0), eye.aqueous_index),
         Method::OneSurfaceCornea => single(eye.anterior(), eye.cornea_index),
         Method::OneSurfaceAqueous => single(eye.anterior(), eye.aqueous_index),

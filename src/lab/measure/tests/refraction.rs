@@ -96,6 +96,11 @@ fn simpler_pictures_of_a_cornea_err_as_much_as_is_known() {
         "two_surfaces",
     ];
     let errors = order.map(over_all);
+    // The plane that the picture's parallax mapping takes is the one that is found here, to a step of the search.
+    let fitted = all.iter().find(|row| row["method"] == "parallax");
+    let fitted = number(fitted.expect("parallax"), "depth_mm");
+    let taken = crate::optics::cornea::PARALLAX_SHARE * MeasuredEye::default().iris_depth_mm;
+    assert!((fitted - taken).abs() < 0.01, "{fitted} {taken}");
     println!("{order:?}: {errors:.4?}");
     // A peer prints 16.7, 3.9 and 0.10 % of another cornea and another sampling.
     assert!((10.0..25.0).contains(&errors[0]), "{errors:?}");
