@@ -104,7 +104,7 @@ struct Summary {
     field_time_ratio_8x_volume: f64,
     /// What an eye costs the processor.
     eye: EyeCost,
-    /// What its picture costs, by lamps and distance.
+    /// What its picture costs, by distance.
     eye_frames: Vec<EyeFrames>,
     /// What people cost whom nobody draws.
     crowds: Vec<CrowdCost>,
