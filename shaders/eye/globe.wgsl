@@ -62,7 +62,7 @@ struct Globe {
     // What a cloud at the capsule sends back.
     capsule: vec3<f32>,
     relief: f32,
-    // What makes its clouds those of this eye, rad.
+    // What makes the clouds of its lens and the waves of its tears those of this eye, rad.
     lens_turn: f32,
     // Colour of what is thick and bloody of the conjunctiva.
     flesh: vec3<f32>,

@@ -105,7 +105,7 @@ pub struct GlobeUniform {
     pub capsule: Vec3,
     /// How much of the iris's relief shows.
     pub relief: f32,
-    /// What makes the clouds of a lens those of this eye, rad.
+    /// What makes the clouds of a lens and the waves of the tears those of this eye, rad.
     pub lens_turn: f32,
     /// Colour of what is thick and bloody of the conjunctiva.
     pub flesh: Vec3,

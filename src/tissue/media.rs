@@ -38,8 +38,8 @@ fn lens_density(nm: f64, age_years: f64) -> f64 {
         + (0.016 + 1.32e-4 * square) * bell(1.43, 0.008, 325.0)
 }
 
-/// Share of what a cornea scatters that comes back out of the eye: with it a pupil of a young eye is as bright and as bluish as
-/// on 17 photographs (sRGB 20 24 30 where the white has 202 186 169, what the tears mirror of dark surroundings included).
+/// Share of what a cornea scatters that comes back out of the eye (a choice: a young pupil then has a luminance of 0.014 to 0.015
+/// of white, most of it what tears mirror, where photographs have 0.009, 0 to 0.043).
 const CORNEA_RETURNS: f64 = 0.02;
 
 /// Diffuse reflectance (linear sRGB) of a cornea: of what it scatters, 1 − 10^(−21·10⁸ λ⁻⁴) of the light (van den Berg and Tan

@@ -413,8 +413,8 @@ fn lashes_stand_on_the_lash_lines() {
     let lashes = Lashes::new(7);
     assert!(
         // REFERENCE-face: 90 to 160 above, 50 to 80 below.
-        (90..=160).contains(&lashes.count(Lid::Upper))
-            && (50..=80).contains(&lashes.count(Lid::Lower))
+        (119..=149).contains(&lashes.count(Lid::Upper))
+            && (60..=80).contains(&lashes.count(Lid::Lower))
     );
     let mut mesh = HairMesh::default();
     for aperture in [0.0, 1.0] {
