@@ -105,6 +105,8 @@ pub const FEATURES: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4
 pub const ASSIGN_SLOTS: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0007");
 /// What is forgotten of what moved away.
 pub const FORGET_LEFT: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000c");
+/// What a view before remembers of what a view sees in other voxels.
+pub const CARRY_OVER: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b0012");
 /// A table of voxels into a larger one.
 pub const GROW_TABLE: Handle<Shader> = uuid_handle!("3f0c3a3e-5e8e-4ad8-9d5f-6a0a4a1b000d");
 /// The keys of a table, set back.
@@ -263,6 +265,18 @@ pub const SOURCES: &[Source] = &[
             VOXEL_TABLE,
             VOXEL_FIND,
             include_str!("../../shaders/view/field/forget_left.wgsl"),
+        ],
+    },
+    Source {
+        handle: CARRY_OVER,
+        name: "ocularium/carry_over.wgsl",
+        library: &["retinal_blur", "sharpness_key", "sharpness_voxel"],
+        entry: &[
+            PERCEPT,
+            RAYS,
+            VOXEL_TABLE,
+            VOXEL_FIND,
+            include_str!("../../shaders/view/field/carry_over.wgsl"),
         ],
     },
     Source {

@@ -31,6 +31,7 @@ use movers::MoverData;
 pub(super) struct FieldPasses {
     assign_slots: ComputePass,
     forget_left: ComputePass,
+    carry_over: [ComputePass; 2],
     grow_table: ComputePass,
     rebase: ComputePass,
     update: ComputePass,
@@ -77,6 +78,27 @@ impl Default for FieldPasses {
                     (numbers(), texel(), changes(), changes(), reads()),
                 ),
             ),
+            carry_over: ["carry_over", "take_carried"].map(|name| {
+                ComputePass::new(
+                    name,
+                    shaders::CARRY_OVER,
+                    plain,
+                    &BindGroupLayoutEntries::sequential(
+                        stage,
+                        (
+                            numbers(),
+                            texel(),
+                            reads(),
+                            changes(),
+                            changes(),
+                            numbers(),
+                            texel(),
+                            changes(),
+                            reads(),
+                        ),
+                    ),
+                )
+            }),
             grow_table: ComputePass::new(
                 "grow_table",
                 shaders::GROW_TABLE,
@@ -123,7 +145,10 @@ impl FieldPasses {
     /// Asks for what a capture needs; says whether it is built.
     pub(super) fn capture_is_ready(&mut self, cache: &PipelineCache) -> bool {
         let mut is_ready = true;
+        let [carry, take] = &mut self.carry_over;
         for pass in [
+            carry,
+            take,
             &mut self.assign_slots,
             &mut self.forget_left,
             &mut self.grow_table,
@@ -206,6 +231,25 @@ impl FieldPasses {
             let groups = pixel_groups(before.size.x, before.size.y, WORKGROUP);
             self.forget_left.run(recorder, &plain, &entries, groups);
         }
+        // Of what moved away nothing is left to be handed on.
+        if let Some(before) = before.filter(|before| !request.forget && is_elsewhere(view, before))
+        {
+            let entries = BindGroupEntries::sequential((
+                view.uniform.as_entire_binding(),
+                &view.vergence_view,
+                view.pixel_slot.as_entire_binding(),
+                table.tag.as_entire_binding(),
+                table.keys.as_entire_binding(),
+                before.uniform.as_entire_binding(),
+                &before.vergence_view,
+                // The strengths have been read: their place is free.
+                view.strengths.as_entire_binding(),
+                before.pixel_slot.as_entire_binding(),
+            ));
+            for pass in &mut self.carry_over {
+                pass.run(recorder, &plain, &entries, groups);
+            }
+        }
     }
 
     /// How sharply every pixel is seen now, into its voxel.
@@ -231,6 +275,21 @@ impl FieldPasses {
                 .field_pixels(u64::from(view.size.x) * u64::from(view.size.y));
         }
     }
+}
+
+/// Does a view look from elsewhere, elsewhither or at another size than the one before it? Else its pixels lie in the same voxels.
+fn is_elsewhere(view: &ViewImages, before: &ViewImages) -> bool {
+    let of = |view: &ViewImages| {
+        let data = view.data;
+        let tangents = [data.tan_half_fov_x, data.tan_half_fov_y];
+        (
+            data.size,
+            data.eye_m,
+            [data.right, data.up, data.back],
+            tangents,
+        )
+    };
+    of(view) != of(before)
 }
 
 /// What has moved, behind the number of it.
