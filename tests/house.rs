@@ -221,8 +221,42 @@ fn named_paths(text: &str) -> Vec<&str> {
         })
         // What is built is not in a clone.
         .filter(|span| !span.starts_with("web/dist"))
-        .filter(|span| !span.contains([' ', '{', '*', '\n', '<']))
+        .filter(|span| !span.contains([' ', '\n', '<']))
         .collect()
+}
+
+/// A path with each of what it has in braces.
+fn each_of(path: &str) -> Vec<String> {
+    let parts = path.split_once('{').and_then(|(before, rest)| {
+        rest.split_once('}')
+            .map(|(list, after)| (before, list, after))
+    });
+    match parts {
+        Some((before, list, after)) => list
+            .split(',')
+            .map(|one| format!("{before}{one}{after}"))
+            .collect(),
+        None => vec![path.to_owned()],
+    }
+}
+
+/// Is there a file of this name, in whose last part a star stands for anything?
+fn is_there(root: &Path, path: &str) -> bool {
+    let Some((before, after)) = path.split_once('*') else {
+        return root.join(path).exists();
+    };
+    let (folder, start) = before.rsplit_once('/').unwrap_or(("", before));
+    let names = fs::read_dir(root.join(folder)).into_iter().flatten();
+    let mut names = names.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    names.any(|name| name.starts_with(start) && name.ends_with(after))
+}
+
+#[test]
+fn a_path_with_braces_or_a_star_is_looked_for() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    assert_eq!(each_of("src/{lib,main}.rs"), ["src/lib.rs", "src/main.rs"]);
+    assert!(is_there(root, "src/li*.rs") && is_there(root, "tests/shader_twins*"));
+    assert!(!is_there(root, "src/nothing*.rs") && !is_there(root, "src/nothing.rs"));
 }
 
 #[test]
@@ -237,11 +271,9 @@ fn the_documents_name_files_that_are_there() {
         let text = fs::read_to_string(&document).expect("text");
         for path in named_paths(&text) {
             count += 1;
-            assert!(
-                root.join(path).exists(),
-                "{} names {path}",
-                document.display()
-            );
+            for one in each_of(path) {
+                assert!(is_there(root, &one), "{} names {one}", document.display());
+            }
         }
     }
     assert!(count > 20, "{count} paths");

@@ -616,7 +616,7 @@ fn take<C: Component + Clone>(world: &mut World, entity: Entity) -> PutBack {
 }
 
 macro_rules! of_eye {
-    ($component:ident, $shows:expr) => {
+    ($component:ty, $shows:expr) => {
         (
             stringify!($component),
             |world, eye, _| take::<$component>(world, eye),
@@ -680,6 +680,10 @@ const REMOVALS: &[Removal] = &[
     of_eye!(Accommodation, [false, true]),
     of_eye!(OcularMedia, [false, false]),
     of_eye!(VisualField, [false, false]),
+    // What is written of its own parts is written again.
+    of_eye!(Effective<Refraction>, [false, false]),
+    of_eye!(Effective<Iris>, [false, false]),
+    of_eye!(Effective<Lids>, [false, false]),
     of_person!(Skin, [true, false]),
     of_person!(Eyelids, [false, true]),
     of_eye!(Look, [false, false]),
@@ -748,7 +752,7 @@ fn what_is_unusual_goes_with_its_component() {
     });
 }
 
-/// Two people, one of whom is far older, move by the same clock, and their eyes meet on what they look at.
+/// Her eyes meet on what she looks at, both accommodate for it, and both pupils are as wide.
 #[test]
 fn the_eyes_of_a_person_meet_where_she_looks() {
     let _turn = turn();
@@ -772,6 +776,20 @@ fn the_eyes_of_a_person_meet_where_she_looks() {
     let [(_, right), (_, left)] = gazes[..] else {
         panic!("two eyes: {gazes:?}");
     };
+    let both: Vec<(f64, f64)> = world
+        .query::<(&Accommodation, &Pupil)>()
+        .iter(world)
+        .map(|(lens, pupil)| (lens.response_d, pupil.diameter_mm))
+        .collect();
+    let [one, other] = both[..] else {
+        panic!("two eyes: {both:?}");
+    };
+    assert_eq!(one, other);
+    // For a third of a metre, with a lag; and narrower than in the dark.
+    assert!(
+        (2.0..3.4).contains(&one.0) && (1.5..7.0).contains(&one.1),
+        "{one:?}"
+    );
     let point = right * 0.3;
     let from_left = (point + Vec3::X * 0.063).normalize();
     assert!((from_left - left).length() < 1e-3, "{from_left} {left}");

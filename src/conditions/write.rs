@@ -85,6 +85,11 @@ fn notice_anatomy(
     mut lids: RemovedComponents<Lids>,
     mut media: RemovedComponents<OcularMedia>,
     mut fields: RemovedComponents<VisualField>,
+    (mut effective_irides, mut effective_refractions, mut effective_lids): (
+        RemovedComponents<Effective<Iris>>,
+        RemovedComponents<Effective<Refraction>>,
+        RemovedComponents<Effective<Lids>>,
+    ),
     mut stale: ResMut<Stale>,
 ) {
     if !changed.is_empty() {
@@ -92,7 +97,12 @@ fn notice_anatomy(
     }
     let own = irides.read().chain(refractions.read()).chain(lids.read());
     // What is written here comes back, if it is taken away.
-    stale.0.extend(own.chain(media.read()).chain(fields.read()));
+    let effective = effective_irides
+        .read()
+        .chain(effective_refractions.read())
+        .chain(effective_lids.read());
+    let written = media.read().chain(fields.read()).chain(effective);
+    stale.0.extend(own.chain(written));
 }
 
 /// Writes what every stale eye has.

@@ -45,6 +45,7 @@ impl Recording {
         arguments: impl IntoIterator<Item = String>,
     ) -> Result<Option<Self>, String> {
         let (mut frames, mut out) = (None, None);
+        let mut given = Vec::new();
         let (mut fps, mut size) = (10.0, UVec2::new(1280, 640));
         // `--frames=3` is `--frames 3`.
         let mut arguments = arguments.into_iter().flat_map(|argument| {
@@ -60,6 +61,10 @@ impl Recording {
             if !KNOWN.contains(&&*name) {
                 return Err(format!("{name} is not known; known are {USAGE}"));
             }
+            if given.contains(&name) {
+                return Err(format!("{name} is given twice"));
+            }
+            given.push(name.clone());
             let value = arguments
                 .next()
                 .ok_or_else(|| format!("{name} needs a value"))?;
@@ -254,6 +259,7 @@ mod tests {
             ("--size 4x4", "4x4"),
             ("--fps NaN", "NaN"),
             ("--what 3", "--what is not known"),
+            ("--frames 1 --out o --frames 2", "--frames is given twice"),
         ] {
             let error = read(text).expect_err(text);
             assert!(error.contains(said), "{text}: {error}");

@@ -10,6 +10,7 @@ use crate::anatomy::{
     PupilControl, Refraction, Sclera, Skin, VisualField,
 };
 use crate::conditions::{Affected, put};
+use crate::optics::accommodation::hofstetter_amplitude_d;
 use crate::percept::SharpnessField;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::system::SystemParam;
@@ -161,7 +162,7 @@ impl PatientFile {
         let of = |eye: &'static str, remarks: Vec<String>| {
             remarks
                 .into_iter()
-                .map(move |remark| format!("{eye}.{remark}"))
+                .map(move |remark| format!("the {eye} eye: {remark}"))
         };
         of("right", right).chain(of("left", left)).collect()
     }
@@ -169,9 +170,16 @@ impl PatientFile {
     /// That its largest blur is not shown whole: of what is far away through a pupil of 4 mm, or the one that is held.
     fn cut_blur(&self) -> Option<String> {
         let pupil_mm = self.pupil.diameter_mm().unwrap_or(4.0);
-        // The more short-sighted of the two meridians; what is long-sighted the lens may make up for.
-        let short_d = (-self.sphere_d).max(-self.sphere_d - self.cylinder_d);
-        let arcmin = (1e-3 * pupil_mm * short_d).to_degrees() * 60.0;
+        // The more short-sighted of the two meridians, or the more long-sighted beyond what the lens makes up for.
+        let meridians = [self.sphere_d, self.sphere_d + self.cylinder_d];
+        let amplitude_d = self
+            .accommodation_amplitude_d
+            .unwrap_or_else(|| hofstetter_amplitude_d(self.age_years));
+        let off_d = meridians
+            .into_iter()
+            .map(|d| (-d).max(d - amplitude_d))
+            .fold(0.0, f64::max);
+        let arcmin = (1e-3 * pupil_mm * off_d).to_degrees() * 60.0;
         (arcmin > self.blur_cap_arcmin).then(|| {
             format!(
                 "what is far away is blurred over {arcmin:.0}′ through a pupil of {pupil_mm} mm, and shown with \
@@ -415,8 +423,32 @@ fn with_eye(
 #[cfg(test)]
 mod tests {
     use super::super::EyeFile;
+    use super::super::parse::parse_patient;
     use super::*;
     use bevy::ecs::system::RunSystemOnce;
+
+    /// What the largest blur that is shown cuts off is said of short sight, of long sight beyond what the lens makes up for, and of which eye.
+    #[test]
+    fn a_blur_that_is_cut_is_said() {
+        let of = |sphere_d: f64, age_years: f64| PatientFile {
+            sphere_d,
+            age_years,
+            ..PatientFile::default()
+        };
+        let said = |file: &PatientFile| file.remarks().iter().any(|r| r.contains("blurred over"));
+        assert!(said(&of(-12.0, 30.0)) && said(&of(12.0, 70.0)));
+        // 12 D are made up for by the lens of a child, and 2 D blur less than what is shown.
+        assert!(!said(&of(12.0, 8.0)) && !said(&of(2.0, 70.0)));
+        let text = "(left: (sphere_d: -20.0))";
+        let found = parse_patient(text, "p.ron").expect("sound").remarks();
+        let [one] = &found[..] else {
+            panic!("{found:?}")
+        };
+        assert!(
+            one.starts_with("the left eye: what is far away is blurred over 275′"),
+            "{one}"
+        );
+    }
 
     fn read_back(world: &mut World, patient: Entity) -> PatientFile {
         world
