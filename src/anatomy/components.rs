@@ -268,6 +268,7 @@ impl Iris {
                 .border_layer_melanin_fraction
                 .unwrap_or(class.border_layer_melanin_fraction),
             eumelanin_ratio: self.eumelanin_ratio.unwrap_or(class.eumelanin_ratio),
+            ..class
         }
     }
 }

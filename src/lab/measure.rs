@@ -194,6 +194,8 @@ pub struct MeasuredEye {
     pub border_layer_melanin_fraction: f64,
     /// Eumelanin in all melanin, 0 to 1.
     pub eumelanin_ratio: f64,
+    /// Volume fraction of blood in the stroma, 0 to 0.5.
+    pub stroma_blood_fraction: f64,
     /// Pigmentation of the CIE's glare function: 0 black, 0.5 brown, 1 green, 1.2 light blue.
     pub glare_pigment: f64,
     /// Lipid layer of the tear film (nm).
@@ -223,6 +225,7 @@ impl Default for MeasuredEye {
             stroma_melanin_fraction: brown.stroma_melanin_fraction,
             border_layer_melanin_fraction: brown.border_layer_melanin_fraction,
             eumelanin_ratio: brown.eumelanin_ratio,
+            stroma_blood_fraction: brown.stroma_blood_fraction,
             glare_pigment: 0.5,
             lipid_thickness_nm: 55.0,
         }
@@ -252,6 +255,7 @@ impl MeasuredEye {
             stroma_melanin_fraction: self.stroma_melanin_fraction,
             border_layer_melanin_fraction: self.border_layer_melanin_fraction,
             eumelanin_ratio: self.eumelanin_ratio,
+            stroma_blood_fraction: self.stroma_blood_fraction,
         }
     }
 }

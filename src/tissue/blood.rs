@@ -8,6 +8,7 @@
 //! (150 g/L)/(64,500 g/mol).
 
 use super::spectrum::{SAMPLES, Spectrum};
+use std::sync::LazyLock;
 
 /// Haemoglobin in whole blood, g/L.
 pub const HAEMOGLOBIN_G_PER_L: f64 = 150.0;
@@ -58,6 +59,17 @@ pub fn packed(absorption: f64, diameter_mm: f64) -> f64 {
         return absorption * (1.0 - 0.5 * depth);
     }
     absorption * -(-depth).exp_m1() / depth
+}
+
+/// Diameter of the vessels of an iris, mm: between its capillaries and its radial arteries, 10 to 60 µm.
+pub const IRIS_VESSEL_MM: f64 = 0.02;
+
+/// Absorption (mm⁻¹) of blood in the vessels of an iris, for a volume of one.
+pub fn iris_blood_absorption() -> &'static Spectrum {
+    static ABSORPTION: LazyLock<Spectrum> = LazyLock::new(|| {
+        blood_absorption(CONJUNCTIVAL_SATURATION).map(|whole| packed(whole, IRIS_VESSEL_MM))
+    });
+    &ABSORPTION
 }
 
 /// What a column of blood (mm, from 0) leaves of white light: linear sRGB by the whole spectrum, not

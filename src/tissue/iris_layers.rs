@@ -35,10 +35,16 @@ fn border_layer(pigment: &IrisPigment, density: f64, tissue: &TissueCoefficients
     )
 }
 
-/// The stroma, likewise.
+/// Absorption (mm⁻¹) of the stroma: of its melanin, its tissue and the blood in its vessels.
+pub(super) fn stroma_absorption(pigment: &IrisPigment, tissue: &TissueCoefficients) -> f64 {
+    tissue.absorption(pigment.stroma_melanin_fraction, pigment.eumelanin_ratio)
+        + pigment.stroma_blood_fraction * tissue.blood_absorption
+}
+
+/// The stroma, likewise, with the blood in its vessels.
 fn stroma(pigment: &IrisPigment, thickness_mm: f64, tissue: &TissueCoefficients, g: f64) -> Layer {
     layer(
-        tissue.absorption(pigment.stroma_melanin_fraction, pigment.eumelanin_ratio),
+        stroma_absorption(pigment, tissue),
         STROMA_MIE_DENSITY * tissue.mie_scattering / (1.0 - g),
         STROMA_RAYLEIGH_DENSITY * tissue.rayleigh_scattering,
         thickness_mm,

@@ -23,6 +23,10 @@ pub const PHEOMELANIN_FRANCOIS: f64 = 2.9e14;
 /// With it, the fractions that make a hazel iris leave it blue-grey.
 pub const PHEOMELANIN_DILUTE: f64 = 2.9e13;
 
+use super::blood::iris_blood_absorption;
+use super::spectrum::{FIRST_NM, SAMPLES, STEP_NM, Spectrum};
+use super::wavelengths::Wavelengths;
+
 /// A wavelength (nm) within the range of the data.
 fn within_range(wavelength_nm: f64) -> f64 {
     if wavelength_nm.is_nan() {
@@ -54,6 +58,14 @@ pub fn tissue_absorption(wavelength_nm: f64, melanin_fraction: f64, eumelanin_ra
     TissueCoefficients::at(wavelength_nm).absorption(melanin_fraction, eumelanin_ratio)
 }
 
+/// A spectrum between its samples along lines, beyond them the last.
+fn between_samples(spectrum: &Spectrum, wavelength_nm: f64) -> f64 {
+    let place = ((wavelength_nm - FIRST_NM) / STEP_NM).clamp(0.0, (SAMPLES - 1) as f64);
+    let below = (place as usize).min(SAMPLES - 2);
+    let part = place - below as f64;
+    spectrum[below] + part * (spectrum[below + 1] - spectrum[below])
+}
+
 /// All coefficients of equations 10 to 14 at one wavelength, so that powers are taken once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TissueCoefficients {
@@ -63,6 +75,8 @@ pub struct TissueCoefficients {
     pub pheomelanin_absorption: f64,
     /// Equation 12 (mm⁻¹).
     pub baseline_absorption: f64,
+    /// Blood in the vessels of an iris (mm⁻¹), for a volume of one: [`iris_blood_absorption`], between its samples along lines.
+    pub blood_absorption: f64,
     /// First term of equation 14 (mm⁻¹).
     pub mie_scattering: f64,
     /// Second term of equation 14 (mm⁻¹).
@@ -76,9 +90,19 @@ impl TissueCoefficients {
             eumelanin_absorption: eumelanin_absorption(wavelength_nm),
             pheomelanin_absorption: pheomelanin_absorption(wavelength_nm, PHEOMELANIN_FRANCOIS),
             baseline_absorption: baseline_absorption(wavelength_nm),
+            blood_absorption: between_samples(iris_blood_absorption(), within_range(wavelength_nm)),
             mie_scattering: mie_scattering(wavelength_nm),
             rayleigh_scattering: rayleigh_scattering(wavelength_nm),
         }
+    }
+
+    /// The coefficients at few wavelengths, those of blood as [`Wavelengths::nearest`] has them, not below 0.
+    pub fn few<const N: usize>(few: &Wavelengths<N>) -> [Self; N] {
+        let blood = few.nearest(iris_blood_absorption());
+        core::array::from_fn(|i| Self {
+            blood_absorption: blood[i].max(0.0),
+            ..Self::at(few.nm[i])
+        })
     }
 
     /// Equation 13 (mm⁻¹): as [`tissue_absorption`].

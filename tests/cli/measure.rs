@@ -116,6 +116,7 @@ fn a_patient_acts_where_the_help_says_so() {
         stroma_melanin_fraction: 0.0004,
         border_layer_melanin_fraction: 0.02,
         eumelanin_ratio: 0.1,
+        stroma_blood_fraction: 0.02,
         glare_pigment: 1.2,
         lipid_thickness_nm: 90.0,
         ..MeasuredEye::default()

@@ -91,6 +91,7 @@ fn measured_eye(patient: &PatientFile) -> MeasuredEye {
         stroma_melanin_fraction: pigment.stroma_melanin_fraction,
         border_layer_melanin_fraction: pigment.border_layer_melanin_fraction,
         eumelanin_ratio: pigment.eumelanin_ratio,
+        stroma_blood_fraction: pigment.stroma_blood_fraction,
         glare_pigment: iris.color.glare_pigment(),
         lipid_thickness_nm: cornea.lipid_thickness_nm,
     }

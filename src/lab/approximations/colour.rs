@@ -25,7 +25,7 @@ pub struct Iris {
     pub density: f64,
 }
 
-/// Seeded irises of every legal pigment, more often with little of it than with much.
+/// Seeded irises of every legal melanin, more often with little of it than with much.
 pub fn irises(count: usize, seed: u64) -> Vec<Iris> {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut share = || random.random::<f64>();
@@ -34,6 +34,8 @@ pub fn irises(count: usize, seed: u64) -> Vec<Iris> {
             stroma_melanin_fraction: 0.5 * share().powi(3),
             border_layer_melanin_fraction: 0.5 * share().powi(2),
             eumelanin_ratio: share(),
+            // Few wavelengths keep its bands by another way, see `TissueCoefficients::few`.
+            stroma_blood_fraction: 0.0,
         },
         path_mm: STROMA_PATH_MAX_MM * share(),
         density: share(),
@@ -86,7 +88,7 @@ pub fn wavelengths(stopwatch: &Stopwatch, count: usize) -> Task {
         title: "Wavelengths for the colour of an iris".to_owned(),
         call: "linear sRGB of one iris, two fluxes at every wavelength".to_owned(),
         domain: format!(
-            "{count} seeded irises of every legal pigment; path 0 to 2.5 mm; border layer's density 0 to 1"
+            "{count} seeded irises of every legal melanin, without blood; path 0 to 2.5 mm; border layer's density 0 to 1"
         ),
         reference: "the colour by all 41 wavelengths (CIEDE2000)".to_owned(),
         unit: "ΔE2000".to_owned(),
@@ -100,7 +102,7 @@ fn difference(case: &Coloured, rgb: [f64; 3]) -> f64 {
 
 fn few<const N: usize>(stopwatch: &Stopwatch, cases: &[Coloured]) -> super::ErrorRow {
     let few = Wavelengths::<N>::new();
-    let tissue = few.nm.map(TissueCoefficients::at);
+    let tissue = TissueCoefficients::few(&few);
     // Three weights and four coefficients a wavelength.
     let bytes = 7 * N * size_of::<f64>();
     let run = |case: &Coloured| {

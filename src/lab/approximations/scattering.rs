@@ -75,7 +75,7 @@ pub fn reflectance(stopwatch: &Stopwatch, count: usize, most_walks: u32) -> Task
         title: "Diffuse reflectance of an iris".to_owned(),
         call: "one iris at one wavelength".to_owned(),
         domain: format!(
-            "{count} seeded irises of every legal pigment at 400 to 700 nm; reduced isotropic scattering; \
+            "{count} seeded irises of every legal melanin, without blood, at 400 to 700 nm; reduced isotropic scattering; \
              diffuse light; path 0 to 2.5 mm"
         ),
         reference: "many fluxes with 24 nodes a hemisphere".to_owned(),

@@ -93,6 +93,7 @@ fn eyes() -> Vec<MeasuredEye> {
             stroma_melanin_fraction: 0.5,
             border_layer_melanin_fraction: 0.5,
             eumelanin_ratio: 1.0,
+            stroma_blood_fraction: 0.5,
             lipid_thickness_nm: 0.0,
             glare_pigment: 1.2,
             ..default
@@ -115,7 +116,7 @@ const UNITS: [&str; 12] = [
     "_mm_per_degree",
 ];
 /// Numbers without a unit: shares, ratios, indices, counts.
-const PURE: [&str; 44] = [
+const PURE: [&str; 45] = [
     "accommodation",
     "all_orders_luminance",
     "all_orders_luminance_standard_error",
@@ -156,6 +157,7 @@ const PURE: [&str; 44] = [
     "single_share_many_flux",
     "single_share_standard_error",
     "stroma_albedo",
+    "stroma_blood_fraction",
     "stroma_melanin_fraction",
     "traced_mtf",
     "two_flux_error",
@@ -317,6 +319,7 @@ proptest! {
             stroma_melanin_fraction: pigment.0,
             border_layer_melanin_fraction: pigment.1,
             eumelanin_ratio: pigment.2,
+            stroma_blood_fraction: 0.5 - pigment.0,
             ..MeasuredEye::default()
         };
         for table in quick_tables(&eye) {

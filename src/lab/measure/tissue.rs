@@ -8,8 +8,8 @@ use super::MeasuredEye;
 use crate::optics::output::linear_to_srgb;
 use crate::tissue::iris_layers::reduced_layers;
 use crate::tissue::iris_reflectance::{
-    BORDER_LAYER_MM, IRIS_WAVELENGTHS, IrisPigment, iris_reflectance, iris_reflectance_many_flux,
-    iris_reflectance_seen, iris_reflectance_spectrum,
+    BORDER_LAYER_MM, IRIS_WAVELENGTHS, IrisPigment, STROMA_BLOOD, iris_reflectance,
+    iris_reflectance_many_flux, iris_reflectance_seen, iris_reflectance_spectrum,
 };
 use crate::tissue::melanin::{PHEOMELANIN_DILUTE, TissueCoefficients, pheomelanin_absorption};
 use crate::tissue::scattering_orders::{IrisScattering, iris_scattering};
@@ -32,6 +32,8 @@ pub const NOTES: &[&str] = &[
     "An iris: border layer 0.04 mm thick at half of its greatest density (0.5), stroma 0.45 mm \
      thick, black epithelium. Diffuse light in and out. Strengths of scattering in the iris and the \
      melanin of the colour classes are calibrated to photographs, not measured.",
+    "stroma_blood_fraction is the volume fraction of blood in the stroma, 0.02 in rows; it is calibrated too. \
+     blood_absorption_per_mm is that of vessels of 0.02 mm, for a volume of one (Prahl 1999).",
     "rows: melanin_fraction is the volume fraction in the stroma; the border layer holds ten times \
      as much, at most 0.5. eumelanin_ratio is its share of eumelanin. stroma_albedo is scattering \
      over extinction at the wavelength; reflectance the iris's diffuse albedo, by two fluxes.",
@@ -101,6 +103,8 @@ pub struct CoefficientRow {
     pub pheomelanin_absorption_dilute_per_mm: f64,
     /// Equation 12 (mm⁻¹).
     pub baseline_absorption_per_mm: f64,
+    /// Of blood in the vessels of an iris (mm⁻¹).
+    pub blood_absorption_per_mm: f64,
     /// First term of equation 14 (mm⁻¹).
     pub mie_scattering_per_mm: f64,
     /// Second term of equation 14 (mm⁻¹).
@@ -127,6 +131,8 @@ pub struct IrisRow {
     pub border_layer_melanin_fraction: f64,
     /// Eumelanin in all melanin.
     pub eumelanin_ratio: f64,
+    /// Volume fraction of blood in the stroma.
+    pub stroma_blood_fraction: f64,
     /// Diffuse reflectance by two fluxes.
     pub linear_srgb: [f64; 3],
     /// The same by many fluxes.
@@ -227,6 +233,7 @@ fn melanin_row(melanin_fraction: f64, eumelanin_ratio: f64) -> MelaninRow {
         stroma_melanin_fraction: melanin_fraction,
         border_layer_melanin_fraction: (10.0 * melanin_fraction).min(0.5),
         eumelanin_ratio,
+        stroma_blood_fraction: STROMA_BLOOD,
     };
     let spectrum = iris_reflectance_spectrum(&pigment, STROMA_MM, DENSITY);
     let linear_srgb = iris_reflectance(&pigment, STROMA_MM, DENSITY);
@@ -261,6 +268,7 @@ fn coefficient_row(wavelength_nm: f64) -> CoefficientRow {
             PHEOMELANIN_DILUTE,
         ),
         baseline_absorption_per_mm: tissue.baseline_absorption,
+        blood_absorption_per_mm: tissue.blood_absorption,
         mie_scattering_per_mm: tissue.mie_scattering,
         rayleigh_scattering_per_mm: tissue.rayleigh_scattering,
     }
@@ -274,6 +282,7 @@ fn iris_row(iris: &'static str, pigment: &IrisPigment) -> IrisRow {
         stroma_melanin_fraction: pigment.stroma_melanin_fraction,
         border_layer_melanin_fraction: pigment.border_layer_melanin_fraction,
         eumelanin_ratio: pigment.eumelanin_ratio,
+        stroma_blood_fraction: pigment.stroma_blood_fraction,
         linear_srgb,
         many_flux_linear_srgb: iris_reflectance_many_flux(pigment, STROMA_MM, DENSITY),
         seen_linear_srgb: iris_reflectance_seen(pigment, STROMA_MM, DENSITY)[0],

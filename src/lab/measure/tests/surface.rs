@@ -15,13 +15,15 @@ fn tissue_has_its_published_coefficients() {
         ("baseline_absorption_per_mm", 0.0702217),
         ("mie_scattering_per_mm", 3.75599),
         ("rayleigh_scattering_per_mm", 3.52),
+        // By hand: 2.302585 (0.8 · 20932.8 + 0.2 · 20862.0) 150/64500 = 112.02 cm⁻¹, and (1 − e^−µd)/d at 0.02 mm.
+        ("blood_absorption_per_mm", 10.03553),
     ] {
         assert!((number(row, key) / expected - 1.0).abs() < 1e-5, "{key}");
     }
     // A blue iris as it is seen, and more melanin is darker.
     let irises = rows(&found, "irises");
     let blue = find(&irises, &[("iris", "blue".into())]);
-    for (channel, expected) in [0.130, 0.166, 0.218].into_iter().enumerate() {
+    for (channel, expected) in [0.121, 0.135, 0.158].into_iter().enumerate() {
         let got = blue["seen_linear_srgb"][channel]
             .as_f64()
             .expect("a number");
@@ -38,7 +40,7 @@ fn tissue_has_its_published_coefficients() {
     }
     let scattering = rows(&found, "scattering");
     assert_eq!(scattering.len(), 5);
-    let mut last = 0.0;
+    let (mut last, mut pale) = (0.0, Vec::new());
     for row in &scattering {
         let [share, error, exact] = [
             "single_share",
@@ -52,9 +54,17 @@ fn tissue_has_its_published_coefficients() {
             "{row}"
         );
         assert!(error > 1e-3 && error < 3e-2, "{row}");
-        if row["iris"] != "patient" {
-            assert!(share > last, "{row}");
-            last = share;
+        // Blood, of which green irises have least, takes what is scattered often first: of the pale ones either may lead.
+        match row["iris"].as_str() {
+            Some("blue" | "green") => {
+                pale.push(share);
+                last = pale.iter().copied().fold(last, f64::max);
+            }
+            Some("hazel" | "brown") => {
+                assert!(pale.len() == 2 && share > last, "{row}");
+                last = share;
+            }
+            _ => {}
         }
     }
 }
