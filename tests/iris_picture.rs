@@ -31,3 +31,22 @@ fn the_iris_is_drawn_as_light_goes_through_it() {
         }
     }
 }
+
+/// Sixty-four steps of the relief everywhere, in place of a few by what a pixel shows, change the picture, and by next to nothing.
+#[test]
+fn few_steps_are_as_good_as_many() {
+    use ocularium::lab::eye_frames::fixed_steps;
+    let _turn = crate::stage::turn();
+    let session = || {
+        Ok(crate::stage::session(
+            crate::stage::patient("healthy-brown"),
+            3,
+        ))
+    };
+    let found = fixed_steps(session, 0.0, 4).expect("a device");
+    println!("{found:?}");
+    assert!(
+        found.rms_share > 1e-5 && found.rms_share < 0.02,
+        "{found:?}"
+    );
+}

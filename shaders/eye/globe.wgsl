@@ -111,6 +111,15 @@ struct Globe {
 // In the same projection as the sclera's map. r: blood (mm) of conjunctival vessels, g: of deeper ones, b: height (mm).
 @group(#{MATERIAL_BIND_GROUP}) @binding(8) var vessel_map: texture_2d<f32>;
 
+#ifdef FIXED_STEPS
+// The plain way, to be measured against: this many steps everywhere, and nothing left out.
+const MARCH = vec2<f32>(64.0, 64.0);
+const SKIPS: bool = false;
+#else
+const MARCH = RELIEF_STEPS;
+const SKIPS: bool = true;
+#endif
+
 #ifdef CORNEA
 // Radius (mm) of the hole in the iris, which the mesh's tag holds: it is never at rest, and a material that changes is bound anew.
 var<private> pupil_radius_mm: f32;
@@ -218,15 +227,15 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
     var surface: IrisSurface;
     surface.at = at;
-    if edge > 0.0 {
-        surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint);
+    if edge > 0.0 || !SKIPS {
+        surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint, MARCH);
     }
     // The sky's light in the lids' shade where it comes from, before this place.
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let before = lids_at(head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
     let around = ambient(-head_from_eye()[2]) * before.sky;
     var lit = vec3f(0.0);
-    if edge > 0.0 {
+    if edge > 0.0 || !SKIPS {
         lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;
     }
     var light = around;
@@ -241,7 +250,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #ifdef ARTISTIC
         concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
 #endif
-        if edge > 0.0 {
+        if edge > 0.0 || !SKIPS {
             lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
         }
         light += color * max(-lamp.direction.z, 0.0);
@@ -264,7 +273,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     lit *= globe.look.iris_brightness;
 #endif
     var behind = light * lens;
-    if edge < 1.0 {
+    if edge < 1.0 || !SKIPS {
         // The fundus, before which the light has come in through the cornea too, and the lens's surfaces.
         behind += fundus_light(trace.point.xy, direction, before) * globe.fundus * trace.transmittance * crosses;
         behind += inner_image(mirror_lens_front(trace.point, trace.direction, eye), pupil_radius_mm, THIRD_IMAGE_BLUR);

@@ -76,18 +76,18 @@ fn iris_level(size: vec2f, footprint: f32, radius: f32, width: f32) -> f32 {
     return max(log2(max(texels.x, texels.y)) - 0.4, 0.0);
 }
 
-// Most steps of the march.
-const RELIEF_STEPS: f32 = 12.0;
+// Fewest and most steps of the march.
+const RELIEF_STEPS = vec2<f32>(3.0, 12.0);
 
 // How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first place where the ray is
-// below the surface, by steps of two texels of this level and one secant.
-fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32) -> vec2f {
+// below the surface, by steps of two texels of this level, of these fewest and most, and one secant.
+fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32, between: vec2f) -> vec2f {
     let slope = direction.xy / max(direction.z, 0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
     let top = 0.20 * iris.thicken * max(iris.relief, 1.0);
     let deepest = 2.0 * top;
     let texel = iris_texel_mm(f32(textureDimensions(map).y), lod, iris);
-    let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), 3.0, RELIEF_STEPS);
+    let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), between.x, between.y);
     var before = 0.0;
     var gap_before = -0.05;
     for (var i = 1.0; i <= steps; i += 1.0) {

@@ -59,12 +59,12 @@ struct IrisSurface {
 };
 
 // Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
-// in the map.
-fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, direction: vec3f, start: IrisPlace, footprint: f32) -> IrisSurface {
+// in the map; `steps`: the fewest and most of its march.
+fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, direction: vec3f, start: IrisPlace, footprint: f32, steps: vec2f) -> IrisSurface {
     let size = vec2f(textureDimensions(map));
     let lod = iris_level(size, footprint, length(point), iris_width(iris));
     // The next coarser level, by its number: between two, devices break ties differently.
-    let moved = relief_march(map, polar, iris, start, direction, ceil(lod));
+    let moved = relief_march(map, polar, iris, start, direction, ceil(lod), steps);
     let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
     let texel = iris_texel(map, polar, iris, place.uv, lod);
     let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));

@@ -6,7 +6,6 @@ use super::globe_mesh::globe_meshes;
 use super::illumination::Illumination;
 use super::iris_map::DESIGN_PUPIL_RADIUS_MM;
 use super::lashes::Lashes;
-use super::light_table::LightTableSize;
 use super::materials::{
     GlobeMaterial, GlobePart, HairMaterial, HairUniform, MeniscusMaterial, MeniscusUniform,
     SkinMaterial, SkinUniform,
@@ -17,8 +16,7 @@ use super::model::{
 };
 use super::pose::globe_tag;
 use super::tissue_maps::{
-    color, iris_image, light_image, light_settings, margin_flesh, reflectance_image, sclera_images,
-    skin_albedo, skin_image, skin_variation, static_uniform, wrinkles_mm,
+    ImageStore, color, margin_flesh, skin_albedo, skin_variation, static_uniform, wrinkles_mm,
 };
 use crate::anatomy::{Cornea, Effective, Eye, EyeFinder, Iris, Look, Patient, Sclera, Skin};
 use crate::frame::ledger::WorkLedger;
@@ -123,7 +121,15 @@ pub fn build_eyes(
         parts.made_of = Some(made_of);
         parts.layers = layers.clone();
         own().for_each(|part| commands.entity(part).despawn());
-        readiness.restart();
+        // Other colours and shapes need no other pipeline, and an eye that is changed all the time is drawn all the time.
+        let kinds = [
+            cornea.arcus_at(patient.age_years) > 0.0,
+            wrinkles_mm(patient.age_years) > 0.0,
+        ];
+        if parts.kinds != Some(kinds) {
+            parts.kinds = Some(kinds);
+            readiness.restart();
+        }
         let anatomy = Anatomy {
             eye,
             cornea,
@@ -238,32 +244,15 @@ impl Builder<'_, '_, '_, '_> {
         fine: bool,
         parts: &mut EyeParts,
     ) {
-        let images = &mut self.assets.images;
-        let [sclera_map, vessel_map] = sclera_images(anatomy, fine);
-        let maps = [
-            images.add(iris_image(anatomy, fine)),
-            images.add(sclera_map),
-            images.add(vessel_map),
-            images.add(reflectance_image(anatomy.iris)),
-        ];
-        self.ledger.bytes_uploaded(
-            maps.iter()
-                .filter_map(|map| images.get(map))
-                .map(|image| image.data.as_ref().map_or(0, Vec::len) as u64)
-                .sum(),
-        );
-        let [iris_map, sclera_map, vessel_map, reflectance_map] = maps;
-        let settings = light_settings(anatomy.cornea, anatomy.iris);
-        let light_table = match &parts.light {
-            Some((of, table)) if *of == settings => table.clone(),
-            _ => {
-                let table = images.add(light_image(&settings));
-                self.ledger
-                    .bytes_uploaded(LightTableSize::PICTURE.bytes() as u64);
-                parts.light = Some((settings, table.clone()));
-                table
-            }
+        let mut store = ImageStore {
+            images: &mut self.assets.images,
+            ledger: self.ledger,
         };
+        let maps = &mut parts.maps;
+        let [sclera_map, vessel_map] = maps.sclera(anatomy, fine, &mut store);
+        let iris_map = maps.iris(anatomy, fine, &mut store);
+        let reflectance_map = maps.reflectance(anatomy.iris, &mut store);
+        let light_table = maps.light(anatomy, &mut store);
         let uniform = static_uniform(anatomy, shape);
         parts.globe.clear();
         for (part, mesh) in [GlobePart::Cornea, GlobePart::Limbus, GlobePart::Sclera]
@@ -274,6 +263,7 @@ impl Builder<'_, '_, '_, '_> {
                 part,
                 clouded: false,
                 artistic: false,
+                shading: parts.shading,
                 globe: uniform,
                 iris_map: iris_map.clone(),
                 sclera_map: sclera_map.clone(),
@@ -299,6 +289,7 @@ impl Builder<'_, '_, '_, '_> {
             part: GlobePart::Conjunctiva,
             clouded: false,
             artistic: false,
+            shading: parts.shading,
             globe: uniform,
             iris_map,
             sclera_map,
@@ -340,7 +331,13 @@ impl Builder<'_, '_, '_, '_> {
                 wrinkles_mm: wrinkles_mm(anatomy.patient.age_years),
                 mirror: side(anatomy.eye.laterality),
             },
-            skin_map: self.assets.images.add(skin_image(seed)),
+            skin_map: parts.maps.skin(
+                seed,
+                &mut ImageStore {
+                    images: &mut self.assets.images,
+                    ledger: self.ledger,
+                },
+            ),
             illumination,
             around: around.clone(),
         };

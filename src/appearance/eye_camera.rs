@@ -1,6 +1,6 @@
 //! The camera that looks at the eye, and when it draws.
 
-use super::model::{EyeParts, METRES_A_MM};
+use super::model::{EyeAssets, EyeParts, METRES_A_MM};
 use crate::frame::Panel;
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
@@ -29,18 +29,39 @@ fn vertical_field(aspect: f32) -> f32 {
 /// What an eye camera looks at, in the head's frame from the globe's centre, mm: a little behind the cornea.
 const TARGET_MM: Vec3 = Vec3::new(0.0, 0.0, -10.5);
 
+/// How the iris of an eye is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+pub enum EyeShading {
+    /// By steps of the size of what a pixel shows, and only where it is seen.
+    #[default]
+    Adaptive,
+    /// The relief by 64 steps everywhere, in the pupil too: what the former is measured against.
+    FixedSteps,
+}
+
 /// How finely an eye camera draws.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component)]
 pub struct EyeQuality {
     /// Samples a pixel. Software rasterisers take three times as long for four.
     pub msaa: Msaa,
+    /// How the iris is computed. Where several cameras look at one eye, the costliest is used for all.
+    pub shading: EyeShading,
+}
+
+impl EyeQuality {
+    /// One sample a pixel: for software rasterisers.
+    pub const PLAIN: Self = Self {
+        msaa: Msaa::Off,
+        shading: EyeShading::Adaptive,
+    };
 }
 
 impl Default for EyeQuality {
     fn default() -> Self {
         Self {
             msaa: Msaa::Sample4,
+            ..Self::PLAIN
         }
     }
 }
@@ -255,6 +276,29 @@ pub fn wake_cameras(
                 unsettled_frames: drawn.unsettled_frames,
                 whole: if settled { this } else { drawn.whole },
             };
+        }
+    }
+}
+
+/// Computes each iris as the most demanding of the cameras that look at it wants it.
+pub fn choose_shading(
+    cameras: Query<(&EyeCamera, &EyeQuality)>,
+    mut models: Query<(Entity, &mut EyeParts)>,
+    mut assets: EyeAssets,
+) {
+    for (model, mut parts) in &mut models {
+        let own = cameras.iter().filter(|(camera, _)| camera.0 == model);
+        let wanted = own.map(|(_, quality)| quality.shading).max();
+        let wanted = wanted.unwrap_or_default();
+        if parts.shading == wanted {
+            continue;
+        }
+        let parts = &mut *parts;
+        parts.shading = wanted;
+        for (_, material) in &parts.globe {
+            if let Some(mut material) = assets.globes.get_mut(material) {
+                material.shading = wanted;
+            }
         }
     }
 }

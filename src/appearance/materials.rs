@@ -5,6 +5,7 @@
 //! [`SkinMaterial`], [`HairMaterial`], [`MeniscusMaterial`]), which any Bevy
 //! app can put on the meshes of this folder.
 
+use super::eye_camera::EyeShading;
 use super::illumination::{Illumination, LightKey};
 use super::light_table::SKY_RADII;
 use super::look_uniform::LookUniform;
@@ -208,6 +209,7 @@ pub struct GlobeKey {
     clouded: bool,
     artistic: bool,
     arcus: bool,
+    shading: EyeShading,
     light: LightKey,
 }
 
@@ -218,6 +220,7 @@ impl From<&GlobeMaterial> for GlobeKey {
             clouded: material.clouded,
             artistic: material.artistic,
             arcus: material.globe.arcus > 0.0,
+            shading: material.shading,
             light: material.illumination.key(),
         }
     }
@@ -233,6 +236,8 @@ pub struct GlobeMaterial {
     pub clouded: bool,
     /// Has an artist changed anything?
     pub artistic: bool,
+    /// How it is computed.
+    pub shading: EyeShading,
     /// The numbers.
     #[uniform(0)]
     pub globe: GlobeUniform,
@@ -465,6 +470,9 @@ eye_material!(
         }
         if key.artistic {
             defines.push("ARTISTIC");
+        }
+        if key.part.is_corneal() && key.shading == EyeShading::FixedSteps {
+            defines.push("FIXED_STEPS");
         }
         defines
     },

@@ -50,7 +50,7 @@ mod subdivide;
 pub mod surroundings;
 mod tissue_maps;
 
-pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, eye_camera};
+pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, EyeShading, eye_camera};
 pub use illumination::Lamp;
 pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
 pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts, EyeSurroundings};
@@ -92,6 +92,7 @@ impl Plugin for AppearancePlugin {
                 pose::cloud_lenses,
                 pose::focus_lenses,
                 pose::apply_looks,
+                eye_camera::choose_shading,
                 eye_camera::aim_cameras,
                 eye_camera::wake_cameras,
             )

@@ -5,14 +5,15 @@
 //! in millimetres, with the globe's centre at the entity; the entity's own space is in metres.
 
 use super::build::MadeOf;
+use super::eye_camera::EyeShading;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
 use super::hair::HairMesh;
 use super::lashes::Lashes;
-use super::light_table::LightTableSettings;
 use super::lighting::Lit;
 use super::materials::{GlobeMaterial, HairMaterial, LidMargins, MeniscusMaterial, SkinMaterial};
 use super::studio::Studio;
 use super::surroundings::Surroundings;
+use super::tissue_maps::TissueMaps;
 use crate::anatomy::{Laterality, Look, OcularMedia, Refraction};
 use crate::optics::globe::GlobeShape;
 use bevy::camera::primitives::Sphere;
@@ -82,9 +83,12 @@ pub struct EyeParts {
     pub(super) eye: Option<Entity>,
     #[reflect(ignore)]
     pub(super) made_of: Option<MadeOf>,
-    /// The light table of a cornea and an iris, which outlasts another colour.
+    /// Which of the kinds of its materials it has: with an arcus, with wrinkles.
     #[reflect(ignore)]
-    pub(super) light: Option<(LightTableSettings, Handle<Image>)>,
+    pub(super) kinds: Option<[bool; 2]>,
+    /// Its images, which outlast what does not change them.
+    #[reflect(ignore)]
+    pub(super) maps: TissueMaps,
     #[reflect(ignore)]
     pub(super) layers: RenderLayers,
     /// How finely its skin is divided; see [`super::region_parts`].
@@ -120,6 +124,9 @@ pub struct EyeParts {
     pub(super) focus: Option<(Refraction, i32)>,
     #[reflect(ignore)]
     pub(super) look: Option<Look>,
+    /// How its iris is computed.
+    #[reflect(ignore)]
+    pub(super) shading: EyeShading,
     #[reflect(ignore)]
     pub(super) globe: Vec<(Entity, Handle<GlobeMaterial>)>,
     #[reflect(ignore)]

@@ -9,6 +9,7 @@ use super::model::side;
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
 use super::shading::sclera_shade::EPISCLERAL_DEPTH_MM;
 use crate::anatomy::{Cornea, Iris, Sclera, Skin};
+use crate::frame::ledger::WorkLedger;
 use crate::frame::mips::chain;
 use crate::optics::fresnel::diffuse_surface;
 use crate::optics::globe::GlobeShape;
@@ -21,6 +22,7 @@ use crate::tissue::sclera::{
     sclera_reflectance,
 };
 use crate::tissue::skin::{SKIN_INDEX, SkinTissue, SkinVariation};
+use bevy::asset::{Assets, Handle};
 use bevy::image::Image;
 use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
@@ -55,10 +57,104 @@ pub(super) fn skin_variation(tone: f64) -> SkinVariation {
     }
 }
 
-pub(super) fn iris_image(anatomy: &Anatomy<'_>, fine: bool) -> Image {
-    let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
+/// The images of an eye's tissues, each with what it was made of: what another anatomy leaves as it is is kept.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TissueMaps {
+    iris: Kept<(IrisMapSettings, bool), 1>,
+    sclera: Kept<(ScleraMapSettings, bool), 2>,
+    reflectance: Kept<IrisPigment, 1>,
+    light: Kept<LightTableSettings, 1>,
+    skin: Kept<u64, 1>,
+}
+
+/// Images and what they were made of.
+type Kept<K, const N: usize> = Option<(K, [Handle<Image>; N])>;
+
+/// Where images are put, and where it is counted.
+pub(super) struct ImageStore<'a> {
+    pub(super) images: &'a mut Assets<Image>,
+    pub(super) ledger: &'a WorkLedger,
+}
+
+impl ImageStore<'_> {
+    /// The images that are made of `key`: those that are there, or new ones.
+    fn kept<K: PartialEq, const N: usize>(
+        &mut self,
+        kept: &mut Kept<K, N>,
+        key: K,
+        make: impl FnOnce(&K) -> [Image; N],
+    ) -> [Handle<Image>; N] {
+        if let Some((of, handles)) = kept
+            && *of == key
+        {
+            return handles.clone();
+        }
+        let handles = make(&key).map(|image| {
+            let bytes = image.data.as_ref().map_or(0, Vec::len) as u64;
+            self.ledger.bytes_uploaded(bytes);
+            self.images.add(image)
+        });
+        *kept = Some((key, handles.clone()));
+        handles
+    }
+}
+
+impl TissueMaps {
+    pub(super) fn iris(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        fine: bool,
+        store: &mut ImageStore<'_>,
+    ) -> Handle<Image> {
+        let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
+        let key = (iris_settings(anatomy.iris, seed), fine);
+        let [map] = store.kept(&mut self.iris, key, |(settings, fine)| {
+            [iris_image(settings, *fine)]
+        });
+        map
+    }
+
+    /// The white's colour, and its vessels with its relief.
+    pub(super) fn sclera(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        fine: bool,
+        store: &mut ImageStore<'_>,
+    ) -> [Handle<Image>; 2] {
+        let key = (sclera_settings(anatomy), fine);
+        store.kept(&mut self.sclera, key, |(settings, fine)| {
+            sclera_images(settings, *fine)
+        })
+    }
+
+    /// Reflectance of the iris of all light, and below of what is scattered more than once.
+    pub(super) fn reflectance(&mut self, iris: &Iris, store: &mut ImageStore<'_>) -> Handle<Image> {
+        let [map] = store.kept(&mut self.reflectance, map_pigment(iris), |pigment| {
+            [reflectance_image(pigment)]
+        });
+        map
+    }
+
+    /// Where light of every obliquity enters this cornea and how strongly it arrives at its iris.
+    pub(super) fn light(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        store: &mut ImageStore<'_>,
+    ) -> Handle<Image> {
+        let key = light_settings(anatomy.cornea, anatomy.iris);
+        let [table] = store.kept(&mut self.light, key, |settings| [light_image(settings)]);
+        table
+    }
+
+    pub(super) fn skin(&mut self, seed: u64, store: &mut ImageStore<'_>) -> Handle<Image> {
+        let [tile] = store.kept(&mut self.skin, seed, |seed| [skin_image(*seed)]);
+        tile
+    }
+}
+
+fn iris_image(settings: &IrisMapSettings, fine: bool) -> Image {
     let map = IrisMap::new(
-        &iris_settings(anatomy.iris, seed),
+        settings,
         if fine { 2048 } else { 1024 },
         if fine { 512 } else { 256 },
     );
@@ -118,7 +214,7 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
         ..IrisMapSettings::default()
     }
 }
-pub(super) fn skin_image(seed: u64) -> Image {
+fn skin_image(seed: u64) -> Image {
     let side = super::skin_map::SIDE;
     let tile = super::skin_map::skin_tile(fold(seed));
     let range = super::skin_map::RANGE;
@@ -184,34 +280,30 @@ pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings
         limbus_mm: cornea.limbus_radius_mm,
     }
 }
-/// Where light of every obliquity enters this cornea and how strongly it arrives at its iris.
-pub(super) fn light_image(settings: &LightTableSettings) -> Image {
+fn light_image(settings: &LightTableSettings) -> Image {
     map_image(&[settings.table(LightTableSize::PICTURE)], false)
 }
-/// The white's colour, and its vessels with its relief.
-pub(super) fn sclera_images(anatomy: &Anatomy<'_>, fine: bool) -> [Image; 2] {
+fn sclera_settings(anatomy: &Anatomy<'_>) -> ScleraMapSettings {
     let eye = anatomy.eye;
-    let map = ScleraMap::new(
-        &ScleraMapSettings {
-            seed: fold(anatomy.patient.vessel_seed(eye.laterality)),
-            age_years: anatomy.patient.age_years as f32,
-            redness: anatomy.sclera.redness as f32,
-            bilirubin_mg_dl: anatomy.sclera.bilirubin_mg_dl as f32,
-            pinguecula: anatomy.sclera.pinguecula as f32,
-            nasal_sign: -side(eye.laterality),
-            flush_radius: anatomy.look.flush_radius as f32,
-            flush_hardness: anatomy.look.flush_hardness as f32,
-            melanin: (WHITE_MELANIN * SkinTissue::face(anatomy.skin.tone).melanin_share) as f32,
-        },
-        if fine { 2048 } else { 512 },
-    );
+    ScleraMapSettings {
+        seed: fold(anatomy.patient.vessel_seed(eye.laterality)),
+        age_years: anatomy.patient.age_years as f32,
+        redness: anatomy.sclera.redness as f32,
+        bilirubin_mg_dl: anatomy.sclera.bilirubin_mg_dl as f32,
+        pinguecula: anatomy.sclera.pinguecula as f32,
+        nasal_sign: -side(eye.laterality),
+        flush_radius: anatomy.look.flush_radius as f32,
+        flush_hardness: anatomy.look.flush_hardness as f32,
+        melanin: (WHITE_MELANIN * SkinTissue::face(anatomy.skin.tone).melanin_share) as f32,
+    }
+}
+fn sclera_images(settings: &ScleraMapSettings, fine: bool) -> [Image; 2] {
+    let map = ScleraMap::new(settings, if fine { 2048 } else { 512 });
     [map.levels(), map.vessel_levels()].map(|levels| map_image(&levels, false))
 }
-/// Reflectance of the iris of all light, and below of what is scattered more than once.
-pub(super) fn reflectance_image(iris: &Iris) -> Image {
+fn reflectance_image(pigment: &IrisPigment) -> Image {
     let [width, height] = IRIS_TABLE;
-    let pigment = map_pigment(iris);
-    let [all, again] = IrisReflectanceTable::seen(&pigment, width, height);
+    let [all, again] = IrisReflectanceTable::seen(pigment, width, height);
     let texels = all.rgb().iter().chain(again.rgb());
     let texels = texels.map(|rgb| [rgb[0] as f32, rgb[1] as f32, rgb[2] as f32, 1.0]);
     map_image(

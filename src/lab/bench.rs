@@ -14,8 +14,8 @@ use super::approximations::{
     tables_at_run_time, task_csv,
 };
 use super::eye_cost::{self, EyeCost};
-use super::eye_frames::{self, EyeFrames};
-use super::frame_cost::{self, CrowdCost, ViewsCost};
+use super::eye_frames::{self, EyeFrames, FixedSteps};
+use super::frame_cost::{self, CrowdCost, ViewsCost, WalkCost};
 use super::headless::{Headless, HeadlessError};
 use super::irradiance;
 use super::render::median;
@@ -29,6 +29,7 @@ use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneError;
 use crate::scene::room::{room, room_scaled};
 use crate::stage::Session;
+use crate::stage::head::HeadPathError;
 use bevy::math::UVec2;
 use bevy::prelude::Msaa;
 use plotters::prelude::*;
@@ -56,6 +57,12 @@ pub enum BenchError {
     /// A built-in scene is unsound.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// An eye was lit by others than the lamps that were to be measured.
+    #[error("an eye was lit otherwise than it was to be")]
+    OtherLight,
+    /// The walk that comes with the program is unsound.
+    #[error(transparent)]
+    Walk(#[from] HeadPathError),
     /// An eye that was to be measured did not do what it was told.
     #[error("no frame in which the eye {} could be measured", if *.0 { "turns" } else { "stands still" })]
     NoSuchFrame(bool),
@@ -104,12 +111,16 @@ struct Summary {
     field_time_ratio_8x_volume: f64,
     /// What an eye costs the processor.
     eye: EyeCost,
-    /// What its picture costs, by distance.
+    /// What its picture costs, by lamps and distance.
     eye_frames: Vec<EyeFrames>,
+    /// From the front and from 60° aside.
+    fixed_steps: [FixedSteps; 2],
     /// What people cost whom nobody draws.
     crowds: Vec<CrowdCost>,
     /// What views of one still scene cost.
     views: Vec<ViewsCost>,
+    /// What a view costs while its head walks.
+    walk: WalkCost,
     /// What was asked of the optics and tissue library, and what was found.
     requirements: Vec<Requirement>,
     /// Bytes that it reads at run time.
@@ -152,7 +163,10 @@ fn frame_case(
     let started = Instant::now();
     let mut headless = Headless::new(session(patient, 1.0)?, [size; 2], shown)?;
     let ready_after_s = started.elapsed().as_secs_f64();
-    headless.set_quality(EyeQuality { msaa });
+    headless.set_quality(EyeQuality {
+        msaa,
+        ..EyeQuality::PLAIN
+    });
     // The first frames build the pipelines of this quality and fill caches.
     time_frames(&mut headless, 0.0, 8);
     let times = time_frames(&mut headless, 1.0, count);
@@ -402,6 +416,18 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
     for case in &eye_frames {
         eprintln!("eye, {:<14} {:7.2} ms a frame", case.name, case.ms_median);
     }
+    let [front, aside] =
+        [0.0, 60.0].map(|deg| eye_frames::fixed_steps(|| session(brown, 1.0), deg, count));
+    let fixed_steps = [front?, aside?];
+    for (from, steps) in ["the front", "60°"].iter().zip(&fixed_steps) {
+        eprintln!(
+            "iris from {from:<9} {:7.2} ms a frame, by 64 steps {:.2} ({:.2} times), RMS difference {:.2} %",
+            steps.adaptive_ms,
+            steps.fixed_ms,
+            steps.slower(),
+            100.0 * steps.rms_share
+        );
+    }
     let crowds = [1, 10, 100]
         .map(|people| frame_cost::crowd(people, count))
         .into_iter()
@@ -422,6 +448,11 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
             view.cameras, view.ms_median, view.presents, view.captures
         );
     }
+    let walk = frame_cost::walking(session(brown, 1.0)?, square.x, count)?;
+    eprintln!(
+        "view while the head walks {:7.2} ms a frame with {:.2} captures, {:.2} at rest",
+        walk.ms_median, walk.captures, walk.ms_median_at_rest
+    );
     let errors = approximate_apart(out, quick)?;
     let requirements = requirements(&errors);
     for requirement in &requirements {
@@ -437,8 +468,10 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
         field,
         eye,
         eye_frames,
+        fixed_steps,
         crowds,
         views,
+        walk,
         requirements,
         core_tables: tables_at_run_time(),
         errors,

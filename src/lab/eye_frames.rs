@@ -1,33 +1,103 @@
-//! What the picture of an eye costs by how far away it is.
+//! What the picture of an eye costs, by what is in it: lamps, distance, and by how its iris is computed.
 //!
-//! Leaves: rows of milliseconds a frame of an eye alone whose lids and gaze move, all drawn in turn, so that whatever else the
-//! machine does falls on all alike.
+//! Leaves: rows of milliseconds a frame of an eye alone, all drawn in turn, so that whatever else the machine does falls on all
+//! alike; and what a fixed count of steps costs and changes.
 
 use super::bench::{BenchError, time_frames};
 use super::headless::Headless;
 use super::render::median;
-use crate::appearance::EyeOrbit;
-use crate::stage::Session;
+use crate::appearance::surroundings::Surroundings;
+use crate::appearance::{EyeModel, EyeOrbit, EyeQuality, EyeShading, EyeSurroundings, Lamp};
+use crate::motion::MotionCommand;
+use crate::motion::engine::GazeCommand;
+use crate::stage::{PanelLight, Session};
+use bevy::asset::Handle;
+use bevy::image::Image;
 use bevy::math::UVec2;
 use bevy::prelude::*;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Side of the picture, pixels.
 const SIDE: u32 = 320;
 /// In how many turns the ways are measured.
 const ROUNDS: usize = 4;
+/// The nearest that a camera stands, mm: there the iris fills most of the picture.
+const NEAREST_MM: f32 = 35.0;
+/// Half of the side of the square in the middle of that picture that is compared, as a share of its half side: from the front it holds iris
+/// and pupil alone.
+const IRIS_SHARE: f64 = 0.4;
+
 /// One way of showing an eye.
 #[derive(Clone, Debug, Serialize)]
 pub struct EyeFrames {
     /// What is shown.
     pub name: &'static str,
+    /// Far lamps that light it, beside an even sky; `null`: the light of the studio's window.
+    pub lamps: Option<usize>,
     /// Distance of the camera from the cornea, mm.
     pub distance_mm: f32,
     /// Median of a frame.
     pub ms_median: f64,
 }
 
-/// Measures them, `count` frames of each.
+/// What a fixed count of steps everywhere costs and changes.
+#[derive(Clone, Debug, Serialize)]
+pub struct FixedSteps {
+    /// A frame by steps of the size of what a pixel shows, where it is seen.
+    pub adaptive_ms: f64,
+    /// The relief by 64 steps everywhere.
+    pub fixed_ms: f64,
+    /// Root mean square difference of the radiances of iris and pupil, of their mean.
+    pub rms_share: f64,
+}
+
+impl FixedSteps {
+    /// How many times as long the fixed ones take.
+    pub fn slower(&self) -> f64 {
+        self.fixed_ms / self.adaptive_ms
+    }
+}
+
+/// Lights an eye by an even sky and so many lamps.
+fn light(headless: &mut Headless, lamps: usize) {
+    let mut around = Surroundings::even(Vec3::splat(0.2));
+    around.lamps = (0..lamps)
+        .map(|lamp| {
+            let aside = (lamp as f32 - 0.5 * (lamps as f32 - 1.0)) * 0.3;
+            Lamp {
+                direction: Vec3::new(aside, 0.4, -1.0).normalize(),
+                color: Vec3::splat(0.5 / lamps as f32),
+                ..default()
+            }
+        })
+        .collect();
+    let around = EyeSurroundings(Arc::new(around));
+    let world = headless.world();
+    let mut models = world.query_filtered::<Entity, With<EyeModel>>();
+    let models: Vec<Entity> = models.iter(world).collect();
+    for model in models {
+        world.entity_mut(model).insert(around.clone());
+    }
+}
+
+/// Times what runs in turns, `count` frames of each in all, and gives their medians.
+fn in_turns(running: &mut [Headless], count: usize) -> Vec<f64> {
+    let each = count.div_ceil(ROUNDS);
+    let mut times = vec![Vec::new(); running.len()];
+    for headless in running.iter_mut() {
+        time_frames(headless, 0.0, 8);
+    }
+    for round in 0..ROUNDS {
+        for (headless, times) in running.iter_mut().zip(&mut times) {
+            let from_s = 1.0 + (round * each) as f64 / 60.0;
+            times.extend(time_frames(headless, from_s, each));
+        }
+    }
+    times.iter_mut().map(|times| median(times)).collect()
+}
+
+/// Measures an eye whose lids and gaze move, by lamps and by distance, `count` frames of each.
 ///
 /// # Errors
 /// Where there is no device.
@@ -35,40 +105,110 @@ pub fn cases(
     session: impl Fn() -> Result<Session, BenchError>,
     count: usize,
 ) -> Result<Vec<EyeFrames>, BenchError> {
-    let ways = [("macro, 45 mm", 45.0), ("face, 400 mm", 400.0)];
+    let ways = [
+        ("two lamps", Some(2), 93.0),
+        ("four lamps", Some(4), 93.0),
+        ("eight lamps", Some(8), 93.0),
+        ("macro, 45 mm", None, 45.0),
+        ("face, 400 mm", None, 400.0),
+    ];
     let mut running = Vec::new();
-    for (name, distance_mm) in ways {
-        let mut headless = Headless::new(session()?, [UVec2::splat(SIDE); 2], [true, false])?;
+    for (_, lamps, distance_mm) in ways {
+        let mut session = session()?;
+        if lamps.is_some() {
+            session.light = PanelLight::Scene;
+        }
+        let mut headless = Headless::new(session, [UVec2::splat(SIDE); 2], [true, false])?;
         headless.set_orbit(EyeOrbit {
             distance_mm,
             ..default()
         });
-        time_frames(&mut headless, 0.0, 8);
-        running.push((
-            EyeFrames {
-                name,
-                distance_mm,
-                ms_median: 0.0,
-            },
-            headless,
-            Vec::new(),
-        ));
+        if let Some(lamps) = lamps {
+            light(&mut headless, lamps);
+        }
+        running.push(headless);
     }
-    let each = count.div_ceil(ROUNDS);
-    for round in 0..ROUNDS {
-        for (_, headless, times) in &mut running {
-            times.extend(time_frames(
-                headless,
-                1.0 + (round * each) as f64 / 60.0,
-                each,
-            ));
+    let times = in_turns(&mut running, count);
+    for (headless, (_, lamps, _)) in running.iter_mut().zip(ways) {
+        let world = headless.world();
+        let mut found = world.query::<&EyeSurroundings>();
+        let lit = found
+            .iter(world)
+            .all(|own| own.0.lamps.len() == lamps.unwrap_or(0));
+        if lamps.is_some() && !lit {
+            return Err(BenchError::OtherLight);
         }
     }
-    Ok(running
-        .into_iter()
-        .map(|(case, _, mut times)| EyeFrames {
-            ms_median: median(&mut times),
-            ..case
+    let ways = ways.into_iter().zip(times);
+    Ok(ways
+        .map(|((name, lamps, distance_mm), ms_median)| EyeFrames {
+            name,
+            lamps,
+            distance_mm,
+            ms_median,
         })
         .collect())
+}
+
+/// Root mean square difference of two pictures' radiances in the middle, of the first one's mean.
+fn difference(
+    adaptive: &(Headless, Handle<Image>),
+    fixed: &(Headless, Handle<Image>),
+) -> Result<f64, BenchError> {
+    let [a, b] = [adaptive, fixed].map(|(headless, image)| headless.radiances(image));
+    let (a, b) = (a?, b?);
+    let is_middle = |i: usize| {
+        let place = [i % SIDE as usize, i / SIDE as usize];
+        place
+            .iter()
+            .all(|&p| ((p as f64 + 0.5) / (0.5 * f64::from(SIDE)) - 1.0).abs() < IRIS_SHARE)
+    };
+    let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for (_, (a, b)) in a.iter().zip(&b).enumerate().filter(|(i, _)| is_middle(*i)) {
+        square += (*a - *b).length_squared() / 3.0;
+        sum += a.element_sum() / 3.0;
+        count += 1.0;
+    }
+    Ok((square / count).sqrt() / (sum / count))
+}
+
+/// Measures an iris that fills most of the picture, by adaptive and by fixed steps, seen from this far aside (°).
+///
+/// # Errors
+/// Where there is no device.
+pub fn fixed_steps(
+    session: impl Fn() -> Result<Session, BenchError>,
+    azimuth_deg: f32,
+    count: usize,
+) -> Result<FixedSteps, BenchError> {
+    let prepared = |shading| -> Result<(Headless, Handle<Image>), BenchError> {
+        let (mut headless, image) = Headless::with_radiance(session()?, UVec2::splat(SIDE))?;
+        headless.set_orbit(EyeOrbit {
+            distance_mm: NEAREST_MM,
+            azimuth_deg,
+            ..default()
+        });
+        headless.set_quality(EyeQuality {
+            shading,
+            ..EyeQuality::PLAIN
+        });
+        headless
+            .world()
+            .write_message(MotionCommand::Gaze(GazeCommand::Fixed {
+                azimuth_rad: 0.0,
+                elevation_rad: 0.0,
+                distance_m: 1.0,
+            }));
+        Ok((headless, image))
+    };
+    let (adaptive, image) = prepared(EyeShading::Adaptive)?;
+    let (fixed, fixed_image) = prepared(EyeShading::FixedSteps)?;
+    let mut running = [adaptive, fixed];
+    let times = in_turns(&mut running, count);
+    let [adaptive, fixed] = running;
+    Ok(FixedSteps {
+        adaptive_ms: times[0],
+        fixed_ms: times[1],
+        rms_share: difference(&(adaptive, image), &(fixed, fixed_image))?,
+    })
 }

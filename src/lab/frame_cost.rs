@@ -13,10 +13,13 @@ use crate::motion::{Candidates, GazeController};
 use crate::patients::load_patient;
 use crate::percept::SeesAs;
 use crate::plugins::OculariumPlugins;
+use crate::stage::{HeadPath, Session};
 use bevy::camera::{Hdr, RenderTarget};
 use bevy::math::UVec2;
 use bevy::prelude::*;
 use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
 
 /// Side of the panels, pixels: small, so that what draws is out of the way.
 pub(super) const SIDE: u32 = 64;
@@ -34,6 +37,48 @@ pub struct CrowdCost {
     pub ms_median: f64,
     /// Least that anybody's eye has turned since, °: nobody stands still.
     pub turned_deg: f64,
+}
+
+/// A frame of a view whose head walks, so that each has a capture.
+#[derive(Clone, Debug, Serialize)]
+pub struct WalkCost {
+    /// Milliseconds until the device has finished, median.
+    pub ms_median: f64,
+    /// The same at rest.
+    pub ms_median_at_rest: f64,
+    /// Captures in a frame of the walk.
+    pub captures: f64,
+}
+
+/// Measures a view of `side` pixels along each side while and after the head goes the way that comes with the program, ten frames a second.
+///
+/// # Errors
+/// Where no frame can be made.
+pub fn walking(session: Session, side: u32, count: usize) -> Result<WalkCost, BenchError> {
+    let sizes = [UVec2::splat(side); 2];
+    let path = HeadPath::load(Path::new("walk"))?;
+    let mut headless = Headless::prepared(session, sizes, [false, true], |world, stage| {
+        world.entity_mut(stage.view).insert(path);
+    })?;
+    time_frames(&mut headless, 0.0, 8);
+    let before = headless.work();
+    // It goes from 0.4 to 3.8 s.
+    let mut times: Vec<f64> = (5..35)
+        .map(|tenth| {
+            let from = Instant::now();
+            headless.go_to(0.1 * f64::from(tenth));
+            headless.finish_frame();
+            from.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    let frames = times.len();
+    let captures = headless.work().since(before).view_captures as f64 / frames as f64;
+    let mut at_rest = time_frames(&mut headless, 5.0, count);
+    Ok(WalkCost {
+        ms_median: median(&mut times),
+        ms_median_at_rest: median(&mut at_rest),
+        captures,
+    })
 }
 
 /// A frame of cameras that see as somebody, before one still scene.

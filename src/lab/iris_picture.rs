@@ -101,7 +101,7 @@ impl IrisStage {
             ..Session::new(patient.clone(), LoadedScene::Model(Box::new(scene)), 1)
         };
         let (mut headless, image) = Headless::with_radiance(session, UVec2::splat(SIDE))?;
-        headless.set_quality(EyeQuality { msaa: Msaa::Off });
+        headless.set_quality(EyeQuality::PLAIN);
         let world = headless.world();
         let mut parts = world.query_filtered::<Entity, NotGlobe>();
         let mut hidden: Vec<Entity> = parts.iter(world).collect();

@@ -32,7 +32,7 @@ pub(super) fn choose_quality(
         *decided = true;
         return;
     }
-    view.set_quality(EyeQuality { msaa: Msaa::Off });
+    view.set_quality(EyeQuality::PLAIN);
     let options = view.options();
     view.set_options(ViewOptions {
         supersampling: 1,

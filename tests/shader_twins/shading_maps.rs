@@ -345,7 +345,8 @@ fn the_relief_of_the_iris() {
             library: &["iris_relief"],
             call: &format!(
                 "{IRIS} let q = iris_place(p, iris); let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[11], x[12], x[13]); \
-                 let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15]); y[0] = m.x; y[1] = m.y; \
+                 let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], RELIEF_STEPS); y[0] = m.x; y[1] = m.y; \
+                 let f = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], vec2f(64.0)); y[10] = f.x; y[11] = f.y; \
                  let t = iris_texel(iris_map, iris_map_sampler, iris, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
                  let n = relief_normal(iris_map, iris_map_sampler, iris, q, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
                  y[8] = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.xy, 0.2 * d.z - t.height, 0.2 * d.z, l, x[15]); \
@@ -356,7 +357,9 @@ fn the_relief_of_the_iris() {
                 let (iris, p, lod) = (iris_of(x), v2(&x[6..]), x[15]);
                 let (d, l) = (v3(&x[8..]), v3(&x[11..]));
                 let q = iris_relief::iris_place(p, &iris);
-                let moved = iris_relief::relief_march(&view, &iris, &q, d, lod);
+                let moved =
+                    iris_relief::relief_march(&view, &iris, &q, d, lod, iris_relief::RELIEF_STEPS);
+                let fixed = iris_relief::relief_march(&view, &iris, &q, d, lod, [64.0; 2]);
                 let t = iris_relief::iris_texel(&view, &iris, q.uv, lod);
                 let n = iris_relief::relief_normal(&view, &iris, &q, x[14].max(0.012), lod);
                 let (aside, deep) = (0.2 * d.truncate(), 0.2 * d.z);
@@ -368,6 +371,7 @@ fn the_relief_of_the_iris() {
                     &[t.height, t.thickness, t.melanin],
                     &n.to_array(),
                     &[way, level],
+                    &fixed.to_array(),
                 ]
                 .concat()
             },
@@ -416,7 +420,7 @@ fn the_light_of_the_iris() {
         "{IRIS} var sky = array<f32, {SKY_RADII}>({sky_values}); let at = iris_sky_knot(length(p), x[0]); \
          let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
          let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
-         let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14]); \
+         let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14], RELIEF_STEPS); \
          let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table_sampler, iris, {tissue}, u, \
          iris_light(light_table, light_table_sampler, l, u.at, iris.root, iris.limbus)); {RGB_OUT} \
          let a = iris_ambient(reflectance_map, light_table_sampler, u, mix(sky[at.below], sky[at.below + 1], at.part)); y[3] = a.x; y[4] = a.z; \
@@ -442,8 +446,15 @@ fn the_light_of_the_iris() {
                     dv: p * 0.05,
                 };
                 let iris = iris_of(x);
-                let surface =
-                    iris_shade::iris_surface(&views, &iris, p, v3(&x[8..]), &start, x[14]);
+                let surface = iris_shade::iris_surface(
+                    &views,
+                    &iris,
+                    p,
+                    v3(&x[8..]),
+                    &start,
+                    x[14],
+                    iris_relief::RELIEF_STEPS,
+                );
                 let arrives = iris_light(
                     &views.light,
                     v3(&x[16..]),

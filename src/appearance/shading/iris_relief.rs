@@ -131,17 +131,18 @@ pub fn iris_level(size: DVec2, footprint: f64, radius: f64, width: f64) -> f64 {
     (texels.max_element().log2() - 0.4).max(0.0)
 }
 
-/// Most steps of the march.
-pub const RELIEF_STEPS: f64 = 12.0;
+/// Fewest and most steps of the march.
+pub const RELIEF_STEPS: [f64; 2] = [3.0, 12.0];
 
 /// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first
-/// place where the ray is below the surface, by steps of two texels of this level and one secant.
+/// place where the ray is below the surface, by steps of two texels of this level, of these fewest and most, and one secant.
 pub fn relief_march(
     map: &MapView,
     iris: &IrisFrame,
     place: &IrisPlace,
     direction: DVec3,
     lod: f64,
+    between: [f64; 2],
 ) -> DVec2 {
     let slope = direction.truncate() / direction.z.max(0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
@@ -150,7 +151,7 @@ pub fn relief_march(
     let texel = iris_texel_mm(map.size().y, lod, iris);
     let steps = (slope.length() * deepest / (2.0 * texel))
         .ceil()
-        .clamp(3.0, RELIEF_STEPS);
+        .clamp(between[0], between[1]);
     let (mut before, mut gap_before) = (0.0, -0.05);
     for i in 1..=steps as u32 {
         let depth = deepest * f64::from(i) / steps;

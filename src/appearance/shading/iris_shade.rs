@@ -74,7 +74,7 @@ pub struct IrisSurface {
 }
 
 /// Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
-/// in the map.
+/// in the map; `steps`: the fewest and most of its march.
 pub fn iris_surface(
     maps: &IrisMaps,
     iris: &IrisFrame,
@@ -82,11 +82,12 @@ pub fn iris_surface(
     direction: DVec3,
     start: &IrisPlace,
     footprint: f64,
+    steps: [f64; 2],
 ) -> IrisSurface {
     let map = &maps.relief;
     let lod = iris_level(map.size(), footprint, point.length(), iris.width());
     // The next coarser level, by its number: between two, devices break ties differently.
-    let moved = relief_march(map, iris, start, direction, lod.ceil());
+    let moved = relief_march(map, iris, start, direction, lod.ceil(), steps);
     let place = IrisPlace {
         uv: iris_step(start, moved),
         ..*start
@@ -281,12 +282,14 @@ pub fn iris_and_pupil(pupil: DVec3, iris: DVec3, light: DVec3, edge: f64, v: f64
 
 #[cfg(test)]
 mod tests {
+    use super::super::iris_relief::RELIEF_STEPS;
     use super::*;
     use crate::frame::mips::chain;
     use crate::tissue::iris_layers::forward_layers;
-    use crate::tissue::iris_reflectance::{AQUEOUS_COSINE, IrisPigment, IrisReflectanceTable};
+    use crate::tissue::iris_reflectance::{
+        AQUEOUS_COSINE, IrisPigment, IrisReflectanceTable, matched,
+    };
     use crate::tissue::layers::layer_reflect_once;
-    use crate::tissue::melanin::TissueCoefficients;
     use crate::tissue::phase::phase_mix;
     use crate::tissue::random_walk::{Illumination, random_walk_within};
     use crate::tissue::wavelengths::Wavelengths;
@@ -328,6 +331,7 @@ mod tests {
             direction,
             &place,
             0.01,
+            RELIEF_STEPS,
         );
         let towards = slanted(into, turn);
         let ways = iris_ways(maps, &frame(), &surface, towards);
@@ -413,8 +417,7 @@ mod tests {
             let [_, table] = IrisReflectanceTable::seen(&pigment, 64, 32);
             for into in [1.0, 0.8, 0.68] {
                 let few = Wavelengths::<3>::new();
-                let walked = DVec3::from(few.nm.map(|nm| {
-                    let at = TissueCoefficients::at(nm);
+                let walked = DVec3::from(matched(&pigment, &few).map(|at| {
                     let layers = forward_layers(&pigment, thickness, density, &at);
                     let illumination = Illumination::Beam(into);
                     let walk =

@@ -7,7 +7,7 @@ use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
 use crate::appearance::shading::iris_relief::{
-    IrisFrame, IrisPlace, furrow_depth, iris_place, tagged_pupil, thicken,
+    IrisFrame, IrisPlace, RELIEF_STEPS, furrow_depth, iris_place, tagged_pupil, thicken,
 };
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
@@ -312,6 +312,7 @@ impl IrisPicture {
             seen.trace.direction,
             &seen.start,
             seen.footprint,
+            RELIEF_STEPS,
         );
         let [mut lit, mut light] = self.sky(&surface);
         let place = surface.at.extend(self.iris_depth());
