@@ -25,6 +25,8 @@ struct Skin {
 @group(#{MATERIAL_BIND_GROUP}) @binding(2) var skin_sampler: sampler;
 
 const TILE_MM: f32 = 16.0;
+// Share of the slopes of pores and lines that light shows which has been under the skin: it travels about as far as they are wide.
+const SKIN_SOFT: f32 = 0.4;
 
 // The tile at a place: its texels hold numbers of -1 to 1 as 0 to 1.
 fn skin_tile(uv: vec2<f32>, level: f32) -> vec4<f32> {
@@ -49,19 +51,23 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     // A second, larger look at the same tile hides that it repeats.
     let coarse = skin_tile(q.yx / (TILE_MM * 2.7) + 0.37, footprint_level(footprint, 2.7 * texel_mm));
     var n = skin_normal(normalize(in.normal), v, tissue, skin.pores, fine, coarse);
+    // Light that has been under the skin comes out of more than one of its little slopes.
+    var soft = skin_normal(normalize(in.normal), v, tissue, SKIN_SOFT * skin.pores, fine, coarse);
 #ifdef WRINKLED
-    n = skin_tilted(n, vec2(skin.mirror, 1.0) * skin_wrinkles(q.xy, skin.wrinkles_mm));
+    let wrinkles = vec2(skin.mirror, 1.0) * skin_wrinkles(q.xy, skin.wrinkles_mm);
+    n = skin_tilted(n, wrinkles);
+    soft = skin_tilted(soft, wrinkles);
 #endif
     let mottling = Mottling(skin.blood, skin.melanin, skin.lid);
     var albedo = skin_albedo(skin.albedo, mottling, skin.flesh, tissue, fine, coarse);
 #ifdef WET
     albedo = margin_albedo(albedo, skin.lid, behind, q.x, footprint);
 #endif
-    var light = ambient(n) * skin_openness(tissue);
+    var light = ambient(soft) * skin_openness(tissue);
     var sheen = vec3(0.0);
     for (var i = 0; i < LAMPS; i++) {
         let lamp = lamp_at(i, p);
-        light += lamp.color * skin_lamp(n, tissue, lamp.direction);
+        light += lamp.color * skin_lamp(soft, tissue, lamp.direction);
         sheen += lamp.color * skin_lamp_sheen(n, v, tissue, skin.roughness, lamp.direction, lamp.radius);
     }
     let r = reflect(-v, n);

@@ -2,7 +2,7 @@
 //
 // The skin of the lids and around them, the wet lid margin and the caruncle. Light scatters under the
 // skin: red travels furthest, so terminators and shadows turn red, and thin lids glow a little. The
-// sheen has two lobes (oil over a rough base); creases and pores break it.
+// sheen has three lobes (oil and smooth points over a rough base); creases and pores break it.
 //
 // `tissue`: r how wet the margin is, g thinness of the lid, b caruncle and corner, a occlusion (1 open). `fine` and
 // `coarse`: two readings of the skin's tile, rg slope, b broad noise, a fine noise: of blood in one of them and of pigment in the other. Head
@@ -102,8 +102,8 @@ fn margin_grey_line(behind: f32, footprint: f32) -> f32 {
 fn margin_albedo(own: vec3f, lid: vec3f, behind: f32, along: f32, footprint: f32) -> vec3f {
     let glands = margin_glands(behind, along, footprint);
     let flushed = own * mix(vec3f(1.0), lid, smoothstep(0.0, 0.4, behind) * (1.0 - margin_wet(behind)));
-    let pale = mix(flushed, sqrt(max(flushed, vec3f(0.0))) * vec3f(0.78, 0.74, 0.66), 0.35 * glands.x);
-    return pale * (1.0 - 0.3 * glands.y) * (vec3f(1.0) - vec3f(0.10, 0.08, 0.05) * margin_grey_line(behind, footprint));
+    let pale = mix(flushed, sqrt(max(flushed, vec3f(0.0))) * vec3f(0.78, 0.74, 0.66), 0.14 * glands.x);
+    return pale * (1.0 - 0.12 * glands.y) * (vec3f(1.0) - vec3f(0.10, 0.08, 0.05) * margin_grey_line(behind, footprint));
 }
 
 // Colour: mottled by blood and by melanin, that of a lid where skin is thin, pink at the margin.
@@ -145,10 +145,11 @@ fn skin_roughness(tissue: vec4f, roughness: f32) -> f32 {
     return mix(roughness, 0.14, clamp(tissue.r, 0.0, 1.0));
 }
 
-// The two lobes of one lamp's sheen.
+// The three lobes of one lamp's sheen: of dry skin, of the oil on it, and of the points that are smooth, which sparkle one by one.
 fn skin_lamp_sheen(n: vec3f, v: vec3f, tissue: vec4f, roughness: f32, l: vec3f, radius: f32) -> f32 {
     let rough = skin_roughness(tissue, roughness);
-    return 0.62 * skin_sheen(n, v, l, rough, radius) + 0.38 * skin_sheen(n, v, l, rough * 1.7, 0.2);
+    let broad = 0.5 * skin_sheen(n, v, l, rough, radius) + 0.37 * skin_sheen(n, v, l, rough * 1.7, 0.2);
+    return broad + 0.13 * skin_sheen(n, v, l, rough * 0.5, radius);
 }
 
 // Radiance of the sheen of skin and of the wet film on the margin: `lamps` the lamps' sheen, `ambient` the

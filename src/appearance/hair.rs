@@ -42,11 +42,11 @@ pub fn hair_parameter(hairs: usize, points: usize) -> Vec<f32> {
 }
 
 /// Half of the width at each vertex of hairs of these radii at the root and of so many points (2 or more), negative on one of
-/// the two edges: a fifth is left at the tip.
+/// the two edges: a tenth is left at the tip.
 pub fn hair_half_widths(radii: impl IntoIterator<Item = f32>, points: usize) -> Vec<f32> {
     let half_width = |radius: f32, point: usize| {
         let s = point as f32 / (points - 1) as f32;
-        radius * (0.2 + 0.8 * (1.0 - s * s))
+        radius * (0.1 + 0.9 * (1.0 - s * s.sqrt()))
     };
     radii
         .into_iter()
@@ -105,7 +105,7 @@ mod tests {
         let widths = hair_half_widths([0.06, 0.03], POINTS);
         assert_eq!(widths.len(), 2 * POINTS * EDGES);
         assert_eq!(widths[..2], [-0.06, 0.06]);
-        assert!((widths[POINTS * EDGES - 1] - 0.012).abs() < 1e-6);
+        assert!((widths[POINTS * EDGES - 1] - 0.006).abs() < 1e-6);
         assert_eq!(widths[POINTS * EDGES + 1], 0.03);
         let s = hair_parameter(2, POINTS);
         assert_eq!(

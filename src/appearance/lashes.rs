@@ -174,7 +174,9 @@ fn grow(lid: Lid, count: usize, from: f32, to: f32, random: &mut Pcg32, out: &mu
         let gather = random.random_range(0.35..0.95_f32);
         let tilt = random.random_range(-0.12..0.12_f32);
         for _ in 0..members {
-            let t = (next + spacing * random.random_range(0.1..0.9_f32)).clamp(from, to);
+            // The roots of a tuft stand closer than those of two.
+            let t = next + spacing * random.random_range(0.1..0.9_f32);
+            let t = (middle + 0.8 * (t - middle)).clamp(from, to);
             let lash = one(lid, t, (middle - t) * gather, tilt, random);
             out.push(lash);
             next += spacing;
@@ -197,11 +199,11 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
                 t,
                 row_mm: around(0.15, 0.25),
                 length_mm,
-                radius_mm: around(0.038, 0.007),
-                pitch: around(-0.14, 0.12) + tilt,
-                curl: around(1.08, 0.22),
-                fan: around(0.55 * fan, 0.07),
-                lean: around(0.55 * fan, 0.09) + 1.6 * lean_for(length_mm),
+                radius_mm: around(0.042, 0.012),
+                pitch: around(0.12, 0.1) + tilt,
+                curl: around(0.62, 0.2),
+                fan: around(0.55 * fan, 0.11),
+                lean: around(0.55 * fan, 0.14) + 1.6 * lean_for(length_mm),
             }
         }
         Lid::Lower => {
@@ -211,11 +213,11 @@ fn one(lid: Lid, t: f32, towards_clump: f32, tilt: f32, random: &mut Pcg32) -> L
                 t,
                 row_mm: around(0.0, 0.22),
                 length_mm,
-                radius_mm: around(0.034, 0.006),
-                pitch: around(0.3, 0.28) + tilt,
-                curl: around(0.55, 0.4),
-                fan: around(0.6 * fan, 0.12),
-                lean: around(0.4 * fan, 0.15) + 1.6 * lean_for(length_mm),
+                radius_mm: around(0.035, 0.011),
+                pitch: around(0.3, 0.3) + tilt,
+                curl: around(0.55, 0.45),
+                fan: around(0.6 * fan, 0.18),
+                lean: around(0.4 * fan, 0.24) + 1.6 * lean_for(length_mm),
             }
         }
     }

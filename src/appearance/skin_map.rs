@@ -3,55 +3,89 @@
 //! Leaves: RGBA texels, r and g the slope of the surface along x and y, b broad and a
 //! fine noise, each about zero. Baked once: the picture then pays for two look-ups
 //! where noise would cost hundreds of operations a pixel.
+//!
+//! **What it is made of** (photographs show a net of cells of 0.35 to 0.7 mm): a net of lines, deeper here and shallower there,
+//! and a finer one; a grain whose slopes sparkle one by one where they face a lamp; pores. Lines and pores are also darker, as light
+//! that enters them comes out less.
 
+use crate::optics::smoothstep::smoothstep;
 use crate::tissue::noise::{fbm, gradient_noise, worley};
 
 /// Texels along a side.
-pub const SIDE: usize = 256;
+pub const SIDE: usize = 512;
 /// No number of it is further from zero.
 pub const RANGE: f32 = 1.0;
 /// What a side spans, mm.
 pub const TILE_MM: f32 = 16.0;
 
-/// Height of the skin, mm, at a place of the tile in texels.
-fn height_mm(x: f32, y: f32, seed: u32) -> f32 {
-    let s = 1.0 / SIDE as f32;
-    let (u, v) = (x * s, y * s);
-    // Polygons between the primary lines, half a millimetre wide and flattened along the lid.
-    let plates = worley(u * 28.0, v * 38.0, [28, 38], seed);
-    let lines = (plates.second - plates.nearest).clamp(0.0, 0.30) / 0.30;
-    let fine = gradient_noise(u * 64.0, v * 86.0, [64, 86], seed ^ 0x51);
+/// A place of the tile (0 to 1 along each side), moved aside a little, so that lines do not lie in rows.
+fn bent(u: f32, v: f32, seed: u32) -> [f32; 2] {
+    let aside = |own: u32| {
+        gradient_noise(u * 6.0, v * 6.0, [6, 6], seed ^ own)
+            + 0.5 * gradient_noise(u * 14.0, v * 14.0, [14, 14], seed ^ own ^ 0x1f)
+    };
+    [u + 0.016 * aside(0x61), v + 0.016 * aside(0x62)]
+}
+
+/// Depth of a line (0 to 1) where two cells meet, this wide in cells.
+fn line(cells: [u32; 2], [u, v]: [f32; 2], width: f32, seed: u32) -> f32 {
+    let [columns, rows] = cells;
+    let found = worley(u * columns as f32, v * rows as f32, cells, seed);
+    let across = ((found.second - found.nearest) / width).min(1.0);
+    (1.0 - across) * (1.0 - across)
+}
+
+/// What a place of the skin is: its height, mm, and how much of a line or pore it is.
+fn skin_place(u: f32, v: f32, seed: u32) -> (f32, f32) {
+    let at = bent(u, v, seed);
+    let [s, t] = at;
+    // Lines are deeper here and shallower there.
+    let deep = 1.0 + 0.9 * gradient_noise(u * 7.0, v * 7.0, [7, 7], seed ^ 0x56);
+    let primary = line([35, 46], at, 0.62, seed) * deep;
+    let secondary = line([70, 84], at, 0.7, seed ^ 0x57) * (2.0 - deep);
+    let grain = gradient_noise(s * 96.0, t * 104.0, [96, 104], seed ^ 0x51);
+    let bump = gradient_noise(s * 46.0, t * 50.0, [46, 50], seed ^ 0x58);
     let soft = gradient_noise(u * 9.0, v * 13.0, [9, 13], seed ^ 0x52);
-    // Pores: small pits scattered over the plates.
-    let pores = worley(u * 20.0, v * 20.0, [20, 20], seed ^ 0x53);
-    let pit = if pores.id < 0.45 {
-        (1.0 - pores.nearest / 0.13).max(0.0)
+    let pores = worley(u * 17.0, v * 17.0, [17, 17], seed ^ 0x53);
+    // One place in two has a pore, of a size of its own.
+    let wide = 0.07 + 0.10 * pores.id;
+    let pit = if pores.id < 0.55 {
+        smoothstep(wide, 0.2 * wide, pores.nearest)
     } else {
         0.0
     };
-    0.021 * lines + 0.007 * fine + 0.022 * soft - 0.022 * pit * pit
+    let height =
+        -0.018 * primary - 0.008 * secondary + 0.0035 * grain + 0.007 * bump + 0.016 * soft
+            - 0.022 * pit;
+    (height, 0.4 * primary + 0.25 * secondary + 0.9 * pit)
 }
 
 /// The tile, row by row.
 pub fn skin_tile(seed: u32) -> Vec<[f32; 4]> {
-    let heights: Vec<f32> = (0..SIDE * SIDE)
-        .map(|i| height_mm((i % SIDE) as f32, (i / SIDE) as f32, seed))
+    let share = |i: usize| (i % SIDE) as f32 / SIDE as f32;
+    let places: Vec<(f32, f32)> = (0..SIDE * SIDE)
+        .map(|i| skin_place(share(i), share(i / SIDE), seed))
         .collect();
-    let at = |x: usize, y: usize| heights[(y % SIDE) * SIDE + x % SIDE];
+    let hollow = places.iter().map(|place| place.1).sum::<f32>() / places.len() as f32;
+    let at = |x: usize, y: usize| places[(y % SIDE) * SIDE + x % SIDE].0;
     let per_mm = SIDE as f32 / TILE_MM * 0.5;
     (0..SIDE * SIDE)
         .map(|i| {
             let (x, y) = (i % SIDE, i / SIDE);
-            let (u, v) = (x as f32 / SIDE as f32, y as f32 / SIDE as f32);
+            let (u, v) = (share(i), share(i / SIDE));
             [
                 (at(x + 1, y) - at(x + SIDE - 1, y)) * per_mm,
                 (at(x, y + 1) - at(x, y + SIDE - 1)) * per_mm,
                 fbm(u * 4.0, v * 4.0, [4, 4], 4, seed ^ 0x54),
-                fbm(u * 27.0, v * 27.0, [27, 27], 2, seed ^ 0x55),
+                0.6 * fbm(u * 27.0, v * 27.0, [27, 27], 2, seed ^ 0x55)
+                    + HOLLOW_DARK * (places[i].1 - hollow),
             ]
         })
         .collect()
 }
+
+/// How much darker a line or a pore is, as the fine noise has it (a choice).
+const HOLLOW_DARK: f32 = 0.3;
 
 #[cfg(test)]
 mod tests {

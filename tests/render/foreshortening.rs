@@ -11,7 +11,7 @@ use ocularium::stage::SessionCommand;
 const SIDE: u32 = 512;
 
 /// Width over height of the dark patch about the middle of the picture: the extents of what is
-/// joined to its darkest place and no lighter than half-way to the iris about it.
+/// joined to its darkest place and hardly lighter: under the lid's shadow a wide pupil's iris is not much lighter.
 fn ratio(picture: &RgbaImage) -> f64 {
     let mut seen = vec![false; (SIDE * SIDE) as usize];
     let middle = SIDE / 2;
@@ -31,7 +31,7 @@ fn ratio(picture: &RgbaImage) -> f64 {
     let (mut low, mut high) = (UVec2::splat(SIDE), UVec2::ZERO);
     while let Some((x, y)) = waiting.pop() {
         let index = (y * SIDE + x) as usize;
-        if seen[index] || luma_at(picture, x, y) > dark + 16.0 {
+        if seen[index] || luma_at(picture, x, y) > dark + 12.0 {
             continue;
         }
         seen[index] = true;

@@ -62,7 +62,7 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
     deep_vessels(&mut blood, seed, redness);
     // Injected vessels are wider, and more of them are open.
     let fullness = 0.9 + 0.6 * redness;
-    let count = (64.0 + 90.0 * redness) as u32;
+    let count = (72.0 + 90.0 * redness) as u32;
     let habit = Habit {
         swing: 0.09,
         wriggle: 0.40,
@@ -81,8 +81,8 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
         let angle = side + spread * dice.normal();
         let start = dice.range(55.0, 99.0);
         // One or two in a quarter of an eye are thick.
-        let trunk = if which % 16 == 0 { 0.012 } else { 0.0 };
-        let radius_mm = fullness * (0.008 + trunk + 0.034 * dice.unit() * dice.unit());
+        let trunk = if which % 16 == 0 { 0.008 } else { 0.0 };
+        let radius_mm = fullness * (0.0075 + trunk + 0.030 * dice.unit() * dice.unit());
         let tip = tip_at(&mut dice, angle, start, radius_mm, 75.0);
         grow_tree(&mut blood, &mut dice, tip, &habit);
     }

@@ -77,9 +77,9 @@ pub fn margin_albedo(own: DVec3, lid: DVec3, behind: f64, along: f64, footprint:
     let before = smoothstep(0.0, 0.4, behind) * (1.0 - margin_wet(behind));
     let flushed = own * DVec3::ONE.lerp(lid, before);
     let oil = flushed.max(DVec3::ZERO).powf(0.5) * DVec3::new(0.78, 0.74, 0.66);
-    let pale = flushed.lerp(oil, 0.35 * glands.x);
+    let pale = flushed.lerp(oil, 0.14 * glands.x);
     let line = margin_grey_line(behind, footprint);
-    pale * (1.0 - 0.3 * glands.y) * (DVec3::ONE - DVec3::new(0.10, 0.08, 0.05) * line)
+    pale * (1.0 - 0.12 * glands.y) * (DVec3::ONE - DVec3::new(0.10, 0.08, 0.05) * line)
 }
 
 /// Where crow's feet come from, mm, how many there are to a radian, and how far apart the lid's creases are, mm (choices).
@@ -181,7 +181,7 @@ pub fn skin_roughness(tissue: DVec4, roughness: f64) -> f64 {
     mix(roughness, 0.14, tissue.x.clamp(0.0, 1.0))
 }
 
-/// The two lobes of one lamp's sheen.
+/// The three lobes of one lamp's sheen.
 pub fn skin_lamp_sheen(
     n: DVec3,
     v: DVec3,
@@ -191,7 +191,9 @@ pub fn skin_lamp_sheen(
     radius: f64,
 ) -> f64 {
     let rough = skin_roughness(tissue, roughness);
-    0.62 * skin_sheen(n, v, l, rough, radius) + 0.38 * skin_sheen(n, v, l, rough * 1.7, 0.2)
+    let broad =
+        0.5 * skin_sheen(n, v, l, rough, radius) + 0.37 * skin_sheen(n, v, l, rough * 1.7, 0.2);
+    broad + 0.13 * skin_sheen(n, v, l, rough * 0.5, radius)
 }
 
 /// Radiance of the sheen of skin and of the wet film on the margin: `lamps` the lamps' sheen, `ambient` the
