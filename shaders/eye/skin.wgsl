@@ -26,7 +26,7 @@ struct Skin {
 
 const TILE_MM: f32 = 16.0;
 // Share of the slopes of pores and lines that light shows which has been under the skin: it travels about as far as they are wide.
-const SKIN_SOFT: f32 = 0.4;
+const SKIN_SOFT: f32 = 0.6;
 
 // The tile at a place: its texels hold numbers of -1 to 1 as 0 to 1.
 fn skin_tile(uv: vec2<f32>, level: f32) -> vec4<f32> {
