@@ -85,7 +85,7 @@ pub fn skin_tile(seed: u32) -> Vec<[f32; 4]> {
 }
 
 /// How much darker a line or a pore is, as the fine noise has it (a choice).
-const HOLLOW_DARK: f32 = 0.5;
+const HOLLOW_DARK: f32 = 0.4;
 
 #[cfg(test)]
 mod tests {
