@@ -6,6 +6,7 @@ use crate::anatomy::{
 };
 use crate::frame::EyeSystems;
 use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use core::any::TypeId;
 
@@ -78,31 +79,43 @@ type AnatomyChanged = Or<(
     Changed<Patient>,
 )>;
 
+/// What has been taken out of eyes: what is written of it, or was written, is found again.
+#[derive(SystemParam)]
+struct TakenOut<'w, 's> {
+    irides: RemovedComponents<'w, 's, Iris>,
+    refractions: RemovedComponents<'w, 's, Refraction>,
+    lids: RemovedComponents<'w, 's, Lids>,
+    media: RemovedComponents<'w, 's, OcularMedia>,
+    fields: RemovedComponents<'w, 's, VisualField>,
+    effective_irides: RemovedComponents<'w, 's, Effective<Iris>>,
+    effective_refractions: RemovedComponents<'w, 's, Effective<Refraction>>,
+    effective_lids: RemovedComponents<'w, 's, Effective<Lids>>,
+}
+
+impl TakenOut<'_, '_> {
+    fn eyes(&mut self) -> impl Iterator<Item = Entity> {
+        let own = self.irides.read().chain(self.refractions.read());
+        let own = own.chain(self.lids.read());
+        // What is written here comes back, if it is taken away.
+        let written = self.media.read().chain(self.fields.read());
+        let effective = self
+            .effective_irides
+            .read()
+            .chain(self.effective_refractions.read())
+            .chain(self.effective_lids.read());
+        own.chain(written).chain(effective)
+    }
+}
+
 fn notice_anatomy(
     changed: Query<Entity, AnatomyChanged>,
-    mut irides: RemovedComponents<Iris>,
-    mut refractions: RemovedComponents<Refraction>,
-    mut lids: RemovedComponents<Lids>,
-    mut media: RemovedComponents<OcularMedia>,
-    mut fields: RemovedComponents<VisualField>,
-    (mut effective_irides, mut effective_refractions, mut effective_lids): (
-        RemovedComponents<Effective<Iris>>,
-        RemovedComponents<Effective<Refraction>>,
-        RemovedComponents<Effective<Lids>>,
-    ),
+    mut gone: TakenOut,
     mut stale: ResMut<Stale>,
 ) {
     if !changed.is_empty() {
         stale.0.extend(&changed);
     }
-    let own = irides.read().chain(refractions.read()).chain(lids.read());
-    // What is written here comes back, if it is taken away.
-    let effective = effective_irides
-        .read()
-        .chain(effective_refractions.read())
-        .chain(effective_lids.read());
-    let written = media.read().chain(fields.read()).chain(effective);
-    stale.0.extend(own.chain(written));
+    stale.0.extend(gone.eyes());
 }
 
 /// Writes what every stale eye has.
