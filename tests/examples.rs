@@ -19,6 +19,7 @@ fn example(name: &str) -> PathBuf {
 fn pictures(name: &str, count: usize, size: &str) -> Vec<image::RgbaImage> {
     let out = tempfile::tempdir().expect("a folder");
     let said = Command::new(example(name))
+        .env("BEVY_ASSET_ROOT", env!("CARGO_MANIFEST_DIR"))
         .args(["--frames", &count.to_string()])
         .args(["--fps", "2", "--size", size, "--out"])
         .arg(out.path())
@@ -129,6 +130,28 @@ fn two_patients_see_the_same_room_differently() {
     assert!(apart(&before, &after) > 2.0, "both see alike");
 }
 
+/// The examples' scene is a file, which Bevy's own loader reads. Where it is not there a sentence says so, and
+/// nothing is written.
+#[test]
+fn a_scene_that_is_not_there_is_said() {
+    let _turn = turn();
+    let out = tempfile::tempdir().expect("a folder");
+    let elsewhere = tempfile::tempdir().expect("a folder");
+    let said = Command::new(example("sees_as"))
+        .env("BEVY_ASSET_ROOT", elsewhere.path())
+        .args(["--frames", "1", "--size", "64x64", "--out"])
+        .arg(out.path().join("frames"))
+        .output()
+        .expect("it runs");
+    let sentence = String::from_utf8_lossy(&said.stderr);
+    assert_eq!(said.status.code(), Some(1), "{sentence}");
+    assert!(
+        sentence.contains("clinic.glb") && !sentence.contains("panicked"),
+        "{sentence}"
+    );
+    assert!(!out.path().join("frames/frame_00000.png").exists());
+}
+
 #[test]
 fn a_wrong_command_line_is_said() {
     let said = Command::new(example("sees_as"))
@@ -167,6 +190,7 @@ fn a_recording_that_is_stopped_leaves_whole_files_and_says_so() {
     let out = tempfile::tempdir().expect("a folder");
     let started = |frames: &str| {
         Command::new(example("sees_as"))
+            .env("BEVY_ASSET_ROOT", env!("CARGO_MANIFEST_DIR"))
             .args(["--frames", frames, "--size", "64x64", "--out"])
             .arg(out.path())
             .stdout(Stdio::piped())

@@ -9,8 +9,10 @@ use bevy::prelude::*;
 use image::RgbaImage;
 use ocularium::OculariumPlugins;
 use ocularium::anatomy::{Accommodation, VisualField};
+use ocularium::appearance::{EyeDetail, EyeOrbit, EyeQuality};
 use ocularium::frame::panel::target_image;
 use ocularium::lab::headless::{Headless, Which, plugins};
+use ocularium::motion::Candidates;
 use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::prelude::*;
 use std::f32::consts::FRAC_PI_2;
@@ -502,7 +504,7 @@ const CHANGES: &[Change] = &[
         "EyeOrbit",
         |w, _, _| {
             // Near enough to see how fine the maps are.
-            let mut orbits = w.query::<&mut ocularium::appearance::EyeOrbit>();
+            let mut orbits = w.query::<&mut EyeOrbit>();
             for mut orbit in orbits.iter_mut(w) {
                 orbit.distance_mm = 35.0;
             }
@@ -512,7 +514,7 @@ const CHANGES: &[Change] = &[
     (
         "EyeDetail",
         |w, _, _| {
-            let mut details = w.query::<&mut ocularium::appearance::EyeDetail>();
+            let mut details = w.query::<&mut EyeDetail>();
             for mut detail in details.iter_mut(w) {
                 detail.fine = !detail.fine;
             }
@@ -691,6 +693,77 @@ const REMOVALS: &[Removal] = &[
     of_person!(Adaptation, [false, false]),
 ];
 
+macro_rules! of_whoever_has {
+    ($component:ty, $shows:expr) => {
+        (
+            stringify!($component),
+            |world, _, _| {
+                let mut all = world.query_filtered::<Entity, With<$component>>();
+                let entity = all.iter(world).next().expect("one that has it");
+                take::<$component>(world, entity)
+            },
+            $shows,
+        )
+    };
+}
+
+/// What makes entities a person, her eyes, a model of one and a view through it, and which panels show that it is
+/// gone.
+const PARTS: &[Removal] = &[
+    of_person!(SharpnessField, [false, true]),
+    of_person!(Patient, [true, true]),
+    of_eye!(Eye, [true, true]),
+    of_whoever_has!(EyeModel, [true, false]),
+    of_whoever_has!(SeesAs, [false, true]),
+];
+
+/// Whatever of the parts is taken out, nothing stops, and back it is what it was.
+#[test]
+fn every_part_may_go_and_come_back() {
+    let _turn = turn();
+    let size = UVec2::splat(112);
+    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, 0.0, 0.0, 0.15);
+    headless.go_to(0.5);
+    headless.go_to(4.0);
+    take_and_put_back(&mut headless, PARTS, false, |gone, _| gone > 10.0);
+}
+
+/// What is chosen about a person's motion, a model's light and a camera, and which panels show that it is gone.
+const CHOICES: &[Removal] = &[
+    of_person!(GazeController, [true, true]),
+    // The other eye is shown then, which sees nearly the same.
+    of_eye!(EyeOf, [true, false]),
+    of_person!(Candidates, [false, false]),
+    // Where the camera stood, what lit the eye and how finely it was drawn stays until somebody says otherwise.
+    of_whoever_has!(EyeLight, [false, false]),
+    of_whoever_has!(EyeOrbit, [false, false]),
+    of_whoever_has!(EyeDetail, [false, false]),
+    of_whoever_has!(EyeQuality, [false, false]),
+    of_whoever_has!(ViewOptions, [false, false]),
+];
+
+#[test]
+fn what_is_chosen_goes_with_its_component() {
+    let _turn = turn();
+    let size = UVec2::splat(112);
+    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, 15.0, 5.0, 0.3);
+    headless.go_to(0.5);
+    headless.go_to(4.0);
+    headless.set_orbit(EyeOrbit {
+        distance_mm: 45.0,
+        ..default()
+    });
+    take_and_put_back(&mut headless, CHOICES, true, |gone, back| {
+        gone > 0.2 + 2.0 * back
+    });
+}
+
 /// Whatever is taken out of a person or an eye, nothing stops; and when it is put back both panels show again
 /// what they showed.
 #[test]
@@ -743,7 +816,7 @@ fn what_is_unusual_goes_with_its_component() {
     look(&mut headless, 0.0, 0.0, 0.3);
     headless.go_to(0.5);
     headless.go_to(4.0);
-    headless.set_orbit(ocularium::appearance::EyeOrbit {
+    headless.set_orbit(EyeOrbit {
         distance_mm: 45.0,
         ..default()
     });

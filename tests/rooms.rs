@@ -142,6 +142,16 @@ fn check_scene(found: &SceneModel, wanted: &SceneModel) {
 }
 
 #[test]
+fn the_examples_clinic_is_what_its_generator_writes() {
+    let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let found = std::fs::read(assets.join(generator::clinic::PATH)).expect("the baked file");
+    assert!(
+        found == generator::clinic::write().expect("a file"),
+        "clinic.glb is not what `cargo run --release --example bake_rooms` writes now"
+    );
+}
+
+#[test]
 fn the_baked_rooms_are_what_their_generator_builds() {
     for (scene, (name, build)) in BuiltIn::ALL.into_iter().zip(generator::ALL) {
         assert_eq!(scene.name(), name);

@@ -158,7 +158,7 @@ fn the_veil_of_a_light_is_the_glare_function() {
     let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
     // Light on the pupil: luminance times solid angle.
     let source = f64::from(LUMINANCE) * f64::from(2.0 * HALF_SIDE).powi(2);
-    for angle_deg in [1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 28.0_f64] {
+    for angle_deg in [1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 28.0, 30.0_f64] {
         let wanted = source * veil.spread(angle_deg.to_radians());
         // So that the veil there is a middle grey.
         let exposure = 0.25 / wanted;
@@ -170,12 +170,12 @@ fn the_veil_of_a_light_is_the_glare_function() {
             "{angle_deg}°: {found:.3} of the function, {low:.3} to {high:.3} about the circle"
         );
         // The fit is within 3 %; where among the texels a light lies, and a code, make the rest.
-        assert!((found - 1.0).abs() < 0.05, "{angle_deg}°: {found}");
-        assert!(low > 0.85 && high < 1.15, "{angle_deg}°: {low} to {high}");
+        assert!((found - 1.0).abs() < 0.03, "{angle_deg}°: {found}");
+        assert!(low > 0.95 && high < 1.05, "{angle_deg}°: {low} to {high}");
     }
     // Corners are found under another exposure, in a new capture; each has its veil once.
     let work = headless.work().since(before);
-    assert_eq!((work.veil_passes, work.view_captures), (7, 7), "{work:?}");
+    assert_eq!((work.veil_passes, work.view_captures), (8, 8), "{work:?}");
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! Bakes the built-in scenes: `assets/scenes/room.glb` and `chart.glb`.
+//! Bakes the built-in scenes, `assets/scenes/room.glb` and `chart.glb`, and the one that the examples load,
+//! `assets/examples/clinic.glb`.
 //!
 //! ```text
-//! cargo run --release --example bake_rooms              # writes both files
+//! cargo run --release --example bake_rooms              # writes the files
 //! cargo run --release --example bake_rooms -- --check   # says whether they are what would be written
 //! ```
 
@@ -31,20 +32,29 @@ fn main() -> ExitCode {
 }
 
 fn bake(check: bool) -> Result<(), Box<dyn Error>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     for (name, build) in rooms::ALL {
-        let path = folder.join(name).with_extension("glb");
-        let wanted = rooms::glb::write(&build()?)?;
-        if check {
-            if std::fs::read(&path)? != wanted {
-                let sentence = "is not what this program writes: run it without --check";
-                return Err(format!("{} {sentence}.", path.display()).into());
-            }
-        } else {
-            std::fs::create_dir_all(&folder)?;
-            std::fs::write(&path, &wanted)?;
-            println!("{} {} bytes", path.display(), wanted.len());
-        }
+        let path = assets.join("scenes").join(name).with_extension("glb");
+        put(&path, &rooms::glb::write(&build()?)?, check)?;
     }
+    put(
+        &assets.join(rooms::clinic::PATH),
+        &rooms::clinic::write()?,
+        check,
+    )
+}
+
+/// Writes a file, or says whether it is this already.
+fn put(path: &Path, wanted: &[u8], check: bool) -> Result<(), Box<dyn Error>> {
+    if check {
+        if std::fs::read(path)? != wanted {
+            let sentence = "is not what this program writes: run it without --check";
+            return Err(format!("{} {sentence}.", path.display()).into());
+        }
+        return Ok(());
+    }
+    std::fs::create_dir_all(path.parent().ok_or("a file has no folder")?)?;
+    std::fs::write(path, wanted)?;
+    println!("{} {} bytes", path.display(), wanted.len());
     Ok(())
 }

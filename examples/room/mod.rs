@@ -1,4 +1,4 @@
-//! What the examples share: a small furnished room, and the command line.
+//! What the examples share: a small furnished room from a file, and the command line.
 
 #![allow(dead_code, reason = "no example uses all of it")]
 
@@ -66,53 +66,8 @@ pub fn seat() -> Transform {
     Transform::from_xyz(0.0, 1.2, 1.5).looking_at(Vec3::new(0.0, 1.0, -2.0), Vec3::Y)
 }
 
-/// Floor, walls, a shelf of boxes at several distances, and two lights.
-pub fn furnish(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
-    let mut paint = |r: f32, g: f32, b: f32| materials.add(Color::srgb(r, g, b));
-    let floor = meshes.add(Plane3d::default().mesh().size(8.0, 8.0));
-    commands.spawn((Mesh3d(floor), MeshMaterial3d(paint(0.45, 0.33, 0.22))));
-    let wall = meshes.add(Cuboid::new(8.0, 3.0, 0.1));
-    commands.spawn((
-        Mesh3d(wall.clone()),
-        MeshMaterial3d(paint(0.55, 0.65, 0.6)),
-        Transform::from_xyz(0.0, 1.5, -4.0),
-    ));
-    for side in [-1.0, 1.0] {
-        commands.spawn((
-            Mesh3d(wall.clone()),
-            MeshMaterial3d(paint(0.7, 0.68, 0.6)),
-            Transform::from_xyz(side * 3.0, 1.5, 0.0)
-                .with_rotation(Quat::from_rotation_y(std::f32::consts::FRAC_PI_2)),
-        ));
-    }
-    let brick = meshes.add(Cuboid::new(0.12, 0.3, 0.12));
-    for index in 0..40_u8 {
-        let (column, row) = (f32::from(index % 8), f32::from(index / 8));
-        let hue = f32::from(index) * 47.0 % 360.0;
-        commands.spawn((
-            Mesh3d(brick.clone()),
-            MeshMaterial3d(materials.add(Color::hsl(hue, 0.6, 0.45))),
-            Transform::from_xyz(0.35 * (column - 3.5), 0.3 + 0.35 * row, -3.5 + 0.9 * row)
-                .with_scale(Vec3::splat(1.0 - 0.12 * row)),
-        ));
-    }
-    commands.spawn((
-        PointLight {
-            intensity: 120_000.0,
-            range: 12.0,
-            ..default()
-        },
-        Transform::from_xyz(1.2, 2.6, 0.5),
-    ));
-    commands.spawn((
-        DirectionalLight {
-            illuminance: 400.0,
-            ..default()
-        },
-        Transform::default().looking_to(Vec3::new(0.3, -1.0, 0.6), Vec3::Y),
-    ));
+/// Floor, walls, a shelf of boxes at several distances, and two lights, from a glTF file by Bevy's own loader.
+pub fn furnish(mut commands: Commands, server: Res<AssetServer>) {
+    let clinic = GltfAssetLabel::Scene(0).from_asset("examples/clinic.glb");
+    commands.spawn(WorldAssetRoot(server.load(clinic)));
 }

@@ -70,9 +70,11 @@ struct Globe {
     above_vessels: vec3<f32>,
     // Irradiance of the iris under an even sky at a place (`iris_sky_knot`), and at the next.
     iris_sky: array<vec4<f32>, 32>,
-    // Apical radius and shape factor of the lens's front and back, the latter bulging into the eye.
-    lens_front: vec2<f32>,
-    lens_back: vec2<f32>,
+    // Apical radius and shape factor of the lens's front, and of its back, which bulges into the eye.
+    lens_front_radius_mm: f32,
+    lens_front_p: f32,
+    lens_back_radius_mm: f32,
+    lens_back_p: f32,
     lens_thickness_mm: f32,
     // That bends as the whole lens does.
     lens_index: f32,
@@ -157,7 +159,7 @@ fn lamellae_reflected(share: f32) -> vec3f {
 }
 
 fn mirror_eye() -> MirrorEye {
-    return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.lens_front, globe.lens_back, globe.thickness_mm, globe.iris_depth_mm + globe.lens_forward_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
+    return MirrorEye(vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), vec2f(globe.lens_front_radius_mm, globe.lens_front_p), vec2f(globe.lens_back_radius_mm, globe.lens_back_p), globe.thickness_mm, globe.iris_depth_mm + globe.lens_forward_mm, globe.lens_thickness_mm, globe.cornea_index, globe.aqueous_index, globe.lens_index);
 }
 
 // How far (rad) the inner surfaces spread what they mirror: the grain of a lens's fibres blurs the third image most (choices).

@@ -5,10 +5,12 @@
 const LID_SAMPLES: i32 = 32;
 const LID_HALF_SPAN_MM: f32 = 20.0;
 
+// Heights (y, mm, head frame) of the lid margins at a place and at the next.
+struct LidSpan { upper: f32, upper_next: f32, lower: f32, lower_next: f32 };
+
 struct Lids {
-    // Heights (y, mm, head frame) of the lid margins at LID_SAMPLES places from x = -LID_HALF_SPAN_MM to +LID_HALF_SPAN_MM: of the
-    // upper one at a place and at the next, of the lower one at both.
-    spans: array<vec4<f32>, 32>,
+    // From each of LID_SAMPLES places from x = -LID_HALF_SPAN_MM to +LID_HALF_SPAN_MM to the next.
+    spans: array<LidSpan, 32>,
 };
 
 // Between which places of the margins x (mm, head frame) lies; flat beyond them.
@@ -25,9 +27,9 @@ const LID_EDGE_SOFT_MM: f32 = 1.2;
 
 // How much of the sky and of lamps the lids leave at a point p (head frame) of the globe, whose x lies at this part of this span of
 // the margins (`lid_knot`): the upper lid and its lashes overhang, so that a soft band lies below its margin; the lower lid only touches.
-fn lid_shade(span: vec4<f32>, part: f32, p: vec3<f32>) -> LidShade {
-    let upper = mix(span.x, span.y, part) - p.y;
-    let lower = p.y - mix(span.z, span.w, part);
+fn lid_shade(span: LidSpan, part: f32, p: vec3<f32>) -> LidShade {
+    let upper = mix(span.upper, span.upper_next, part) - p.y;
+    let lower = p.y - mix(span.lower, span.lower_next, part);
     let u = max(upper, 0.0);
     let l = max(lower, 0.0);
     var shade: LidShade;

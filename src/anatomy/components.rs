@@ -386,17 +386,33 @@ impl Default for Skin {
     }
 }
 
-/// The diameters that an entrance pupil can take, mm.
-pub const PUPIL_RANGE_MM: (f64, f64) = (1.0, 9.0);
+/// The range of entrance pupils, as numbers and in words.
+macro_rules! pupil_range {
+    ($smallest:literal to $largest:literal) => {
+        /// The diameters that an entrance pupil can take, mm.
+        pub const PUPIL_RANGE_MM: (f64, f64) = ($smallest as f64, $largest as f64);
+        /// The same in words.
+        pub const PUPIL_RANGE: &str = concat!($smallest, " to ", $largest);
+        /// The same in words with its unit.
+        pub const PUPIL_RANGE_WITH_UNIT: &str = concat!($smallest, " to ", $largest, " mm");
+        /// What a patient file may say of the pupil.
+        pub const PUPIL_SETTINGS: &str =
+            concat!("Auto or Fixed(mm), ", $smallest, " to ", $largest);
+    };
+}
+pupil_range!(1 to 9);
+
+/// The pupil of somebody of whom nothing else is known, mm: a choice in the middle of what rooms make of it.
+pub const USUAL_PUPIL_MM: f64 = 4.0;
 
 /// What sets a person's pupils: light, age and focus, unless they are held. Both numbers are
 /// diameters of the entrance pupil, as it is seen and measured from in front.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component)]
 pub struct PupilControl {
-    /// Diameter at which the pupils stand for good, mm, 1 to 9 (drops, injury).
+    /// Diameter at which the pupils stand for good, mm, within [`PUPIL_RANGE_MM`] (drops, injury).
     pub fixed_mm: Option<f64>,
-    /// Diameter at which somebody holds them for now, mm, 1 to 9.
+    /// Diameter at which somebody holds them for now, mm, within [`PUPIL_RANGE_MM`].
     pub held_mm: Option<f64>,
 }
 
@@ -483,7 +499,9 @@ pub struct Pupil {
 
 impl Default for Pupil {
     fn default() -> Self {
-        Self { diameter_mm: 3.5 }
+        Self {
+            diameter_mm: USUAL_PUPIL_MM,
+        }
     }
 }
 

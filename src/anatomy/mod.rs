@@ -16,7 +16,8 @@ pub mod visual_field;
 
 pub use components::{
     Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
-    Laterality, Lens, Lids, PUPIL_RANGE_MM, Patient, Pupil, PupilControl, Refraction, Sclera, Skin,
+    Laterality, Lens, Lids, PUPIL_RANGE, PUPIL_RANGE_MM, PUPIL_RANGE_WITH_UNIT, PUPIL_SETTINGS,
+    Patient, Pupil, PupilControl, Refraction, Sclera, Skin, USUAL_PUPIL_MM,
 };
 pub use look::Look;
 pub use media::{CAPSULE_BEAM, LENS_DISC_MM, MEASURED_PUPIL_MM, OcularMedia};

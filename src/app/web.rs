@@ -47,7 +47,7 @@ fn publish_state(
     clock: Res<SimulationClock>,
     stage: Res<Stage>,
     view: StageView,
-    dressed: PatientReader,
+    patients: PatientReader,
     ui: Res<UiState>,
     readiness: Res<crate::frame::readiness::Readiness>,
     time: Res<Time<Real>>,
@@ -55,7 +55,8 @@ fn publish_state(
     mut announced: Local<bool>,
     mut live_frames: Local<u32>,
 ) {
-    let (Some(controller), Some(patient)) = (view.controller(), dressed.file(stage.patient)) else {
+    let (Some(controller), Some(patient)) = (view.controller(), patients.file(stage.patient))
+    else {
         return;
     };
     if let Some(error) = readiness.errors().first() {

@@ -30,11 +30,24 @@ pub const LID_SAMPLES: usize = 32;
 /// Half of the width over which they are taken, mm (`LID_HALF_SPAN_MM`).
 pub const LID_HALF_SPAN_MM: f32 = 20.0;
 
-/// Heights of the lid margins over x, mm, head frame (struct `Lids`).
+/// Heights of the lid margins from one place to the next, mm, head frame (struct `LidSpan`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, ShaderType)]
+pub struct LidSpan {
+    /// Of the upper margin at the place.
+    pub upper: f32,
+    /// And at the next.
+    pub upper_next: f32,
+    /// Of the lower margin at the place.
+    pub lower: f32,
+    /// And at the next.
+    pub lower_next: f32,
+}
+
+/// Heights of the lid margins over x (struct `Lids`).
 #[derive(Clone, Copy, Debug, ShaderType)]
 pub struct LidMargins {
-    /// Of the upper margin at each of the places and at the next, then of the lower one.
-    pub spans: [Vec4; LID_SAMPLES],
+    /// From each of the places to the next.
+    pub spans: [LidSpan; LID_SAMPLES],
 }
 
 impl LidMargins {
@@ -43,7 +56,12 @@ impl LidMargins {
         Self {
             spans: core::array::from_fn(|i| {
                 let next = (i + 1).min(LID_SAMPLES - 1);
-                Vec4::new(upper[i], upper[next], lower[i], lower[next])
+                LidSpan {
+                    upper: upper[i],
+                    upper_next: upper[next],
+                    lower: lower[i],
+                    lower_next: lower[next],
+                }
             }),
         }
     }
@@ -114,10 +132,14 @@ pub struct GlobeUniform {
     pub above_vessels: Vec3,
     /// Irradiance of the iris under an even sky at a place ([`super::light_table::iris_sky_knot`]), and at the next.
     pub iris_sky: [Vec4; SKY_RADII],
-    /// Apical radius and shape factor of the lens's front.
-    pub lens_front: Vec2,
-    /// Those of its back, which bulges into the eye.
-    pub lens_back: Vec2,
+    /// Apical radius of the lens's front, mm.
+    pub lens_front_radius_mm: f32,
+    /// Its shape factor.
+    pub lens_front_p: f32,
+    /// Apical radius of its back, which bulges into the eye, mm.
+    pub lens_back_radius_mm: f32,
+    /// Its shape factor.
+    pub lens_back_p: f32,
     /// Of the lens.
     pub lens_thickness_mm: f32,
     /// Its equivalent index.

@@ -192,8 +192,11 @@ pub fn focus_lenses(
             if part.is_some_and(GlobePart::is_corneal)
                 && let Some(mut material) = assets.globes.get_mut(material)
             {
-                material.globe.lens_front = lens.front.as_vec2();
-                material.globe.lens_back = lens.back.as_vec2();
+                let [front, back] = [lens.front.as_vec2(), lens.back.as_vec2()];
+                material.globe.lens_front_radius_mm = front.x;
+                material.globe.lens_front_p = front.y;
+                material.globe.lens_back_radius_mm = back.x;
+                material.globe.lens_back_p = back.y;
                 material.globe.lens_thickness_mm = lens.thickness_mm as f32;
                 material.globe.lens_index = lens.index as f32;
                 material.globe.lens_forward_mm = lens.forward_mm as f32;

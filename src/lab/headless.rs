@@ -11,7 +11,7 @@ use crate::motion::engine::OculomotorState;
 use crate::percept::{Percept, PerceptFrame, ViewOptions};
 use crate::stage::{Head, Session, SessionCommand, Stage, StagePlugin};
 use bevy::app::{PluginGroupBuilder, TerminalCtrlCHandlerPlugin};
-use bevy::asset::RenderAssetUsages;
+use bevy::asset::{RecursiveDependencyLoadState, RenderAssetUsages};
 use bevy::camera::{Hdr, RenderTarget};
 use bevy::log::LogPlugin;
 use bevy::math::{DVec2, DVec3};
@@ -49,6 +49,9 @@ pub enum HeadlessError {
     /// A shader or pipeline was refused.
     #[error("a pipeline could not be built: {0}")]
     Pipeline(String),
+    /// A file that the app spawns from could not be loaded.
+    #[error("{0}")]
+    File(String),
     /// It took too long.
     #[error("the first frame was not ready after {0} s")]
     Timeout(u64),
@@ -205,8 +208,12 @@ impl Headless {
         let started = Instant::now();
         loop {
             self.app.update();
+            let is_waiting = self.waits_for_files()?;
             let world = self.app.world();
             let readiness = world.resource::<Readiness>();
+            if is_waiting {
+                readiness.restart();
+            }
             if let Some(error) = readiness.errors().first() {
                 return Err(HeadlessError::Pipeline(error.clone()));
             }
@@ -221,6 +228,23 @@ impl Headless {
             }
             self.poll();
         }
+    }
+
+    /// Is a file that the app spawns from still on its way?
+    fn waits_for_files(&mut self) -> Result<bool, HeadlessError> {
+        let world = self.app.world_mut();
+        let mut roots = world.query::<&WorldAssetRoot>();
+        let server = world.resource::<AssetServer>();
+        for root in roots.iter(world) {
+            match server.get_recursive_dependency_load_state(root.0.id()) {
+                Some(RecursiveDependencyLoadState::Failed(error)) => {
+                    return Err(HeadlessError::File(error.to_string()));
+                }
+                Some(RecursiveDependencyLoadState::Loaded) | None => {}
+                Some(_) => return Ok(true),
+            }
+        }
+        Ok(false)
     }
 
     /// Pixels of the panels that are shown.

@@ -127,7 +127,7 @@ impl MeasureTable {
             Self::Glare => {
                 "CIE glare function (1/sr), as published and normalised, straylight and integral: \
                  angles 0.01 to 90 degrees, ages 20 to 80 years, pigment 0 to 1.2, and the patient's \
-                 own age and pigment"
+                 own age, pigment and clouded media"
             }
             Self::Tissue => {
                 "Absorption and scattering (1/mm) at 380 to 780 nm, reflectance and sRGB of irises by \
@@ -198,6 +198,8 @@ pub struct MeasuredEye {
     pub stroma_blood_fraction: f64,
     /// Pigmentation of the CIE's glare function: 0 black, 0.5 brown, 1 green, 1.2 light blue.
     pub glare_pigment: f64,
+    /// Straylight parameter at 7° of clouded media, beyond a healthy eye's (deg² sr⁻¹).
+    pub media_straylight_deg2_per_sr: f64,
     /// Lipid layer of the tear film (nm).
     pub lipid_thickness_nm: f64,
 }
@@ -227,6 +229,7 @@ impl Default for MeasuredEye {
             eumelanin_ratio: brown.eumelanin_ratio,
             stroma_blood_fraction: brown.stroma_blood_fraction,
             glare_pigment: 0.5,
+            media_straylight_deg2_per_sr: 0.0,
             lipid_thickness_nm: 55.0,
         }
     }

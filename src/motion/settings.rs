@@ -7,7 +7,7 @@ use rand::Rng;
 use thiserror::Error;
 
 use super::random;
-use crate::anatomy::PUPIL_RANGE_MM;
+use crate::anatomy::{PUPIL_RANGE_MM, PUPIL_RANGE_WITH_UNIT};
 use crate::motion::attention::AttentionSettings;
 use crate::optics::accommodation::hofstetter_amplitude_d;
 
@@ -254,7 +254,7 @@ impl OculomotorSettings {
         match self.pupil {
             PupilMode::Manual(mm) => {
                 let (low, high) = PUPIL_RANGE_MM;
-                within("pupil", mm, low, high, "1 to 9 mm")
+                within("pupil", mm, low, high, PUPIL_RANGE_WITH_UNIT)
             }
             PupilMode::Auto {
                 luminance_cd_m2,

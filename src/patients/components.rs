@@ -7,7 +7,7 @@
 use super::file::{ConditionParts, FIELDS, PatientFile, PupilSetting};
 use crate::anatomy::{
     Cornea, Eye, EyeOf, Eyes, Iris, Laterality, Lens, Lids, Look, OcularMedia, Patient,
-    PupilControl, Refraction, Sclera, Skin, VisualField,
+    PupilControl, Refraction, Sclera, Skin, USUAL_PUPIL_MM, VisualField,
 };
 use crate::conditions::{Affected, put};
 use crate::optics::accommodation::hofstetter_amplitude_d;
@@ -136,17 +136,31 @@ impl PatientFile {
         )
     }
 
+    /// An eye as it would be without its conditions.
+    fn without_conditions(&self, laterality: Laterality) -> Affected {
+        let (_, _, iris, _, refraction, _, lids, _) = self.eye_components(laterality);
+        Affected {
+            field: VisualField::normal(laterality, self.age_years),
+            media: OcularMedia::healthy(self.age_years, iris.color.glare_pigment()),
+            refraction,
+            iris,
+            lids,
+        }
+    }
+
+    /// The media of an eye, with what its conditions do to them.
+    pub fn media(&self, laterality: Laterality) -> OcularMedia {
+        let mut affected = self.without_conditions(laterality);
+        self.of_eye(laterality).write_conditions(&mut affected);
+        affected.media
+    }
+
     /// What a reader should know of how it is shown, a sentence without full stop each.
     pub fn remarks(&self) -> Vec<String> {
         let [right, left] = Laterality::BOTH.map(|laterality| {
-            let (_, _, iris, _, refraction, _, lids, look) = self.eye_components(laterality);
-            let mut remarks = self.of_eye(laterality).condition_remarks(Affected {
-                field: VisualField::normal(laterality, self.age_years),
-                media: OcularMedia::healthy(self.age_years, iris.color.glare_pigment()),
-                refraction,
-                iris,
-                lids,
-            });
+            let look = self.eye_components(laterality).7;
+            let without = self.without_conditions(laterality);
+            let mut remarks = self.of_eye(laterality).condition_remarks(without);
             if self.of_eye(laterality).lid_opening == 0.0 {
                 remarks.push("the lids are shut (lid_opening 0), and what is seen is black".into());
             }
@@ -167,9 +181,9 @@ impl PatientFile {
         of("right", right).chain(of("left", left)).collect()
     }
 
-    /// That its largest blur is not shown whole: of what is far away through a pupil of 4 mm, or the one that is held.
+    /// That its largest blur is not shown whole: of what is far away through the usual pupil, or the one that is held.
     fn cut_blur(&self) -> Option<String> {
-        let pupil_mm = self.pupil.diameter_mm().unwrap_or(4.0);
+        let pupil_mm = self.pupil.diameter_mm().unwrap_or(USUAL_PUPIL_MM);
         // The more short-sighted of the two meridians, or the more long-sighted beyond what the lens makes up for.
         let meridians = [self.sphere_d, self.sphere_d + self.cylinder_d];
         let amplitude_d = self
@@ -452,7 +466,7 @@ mod tests {
 
     fn read_back(world: &mut World, patient: Entity) -> PatientFile {
         world
-            .run_system_once(move |dressed: PatientReader| dressed.file(patient))
+            .run_system_once(move |patients: PatientReader| patients.file(patient))
             .expect("it runs")
             .expect("a patient")
     }

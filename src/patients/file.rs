@@ -3,7 +3,9 @@
 //! Enters: the table below. Leaves: [`PatientFile`] (what both eyes share, and what one of them has
 //! otherwise), and [`FIELDS`], which checks, controls and the README's table are made from.
 
-use crate::anatomy::{IrisColor, Laterality, Lids, Look, PUPIL_RANGE_MM, Patient, Sclera, Skin};
+use crate::anatomy::{
+    IrisColor, Laterality, Lids, Look, PUPIL_RANGE_MM, PUPIL_SETTINGS, Patient, Sclera, Skin,
+};
 use crate::conditions::{Affected, Condition, with_conditions};
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -17,7 +19,7 @@ pub enum PupilSetting {
     /// By light, age and the near response (Watson & Yellott 2012).
     #[default]
     Auto,
-    /// The entrance pupil is held at this diameter in mm, 1 to 9.
+    /// The entrance pupil is held at this diameter in mm, within [`PUPIL_RANGE_MM`].
     Fixed(f64),
 }
 
@@ -83,7 +85,7 @@ mod own_or_none {
 macro_rules! patient_file {
     (
         conditions { $($condition:ident : $condition_type:ty, $condition_meaning:literal;)+ }
-        texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr, $text_allowed:literal;)+ }
+        texts { $($(#[$text_doc:meta])* $text:ident : $text_type:ty = $text_default:expr, $text_allowed:expr;)+ }
         eye_choices { $($(#[$choice_doc:meta])* $choice:ident : $choice_type:ty = $choice_default:expr, $choice_allowed:literal;)+ }
         numbers { $($number:ident = $number_default:expr, $number_low:literal to $number_high:literal, $number_unit:literal, $number_meaning:literal;)+ }
         eye_numbers { $($eye:ident = $eye_default:expr, $eye_low:literal to $eye_high:literal, $eye_unit:literal, $eye_meaning:literal;)+ }
@@ -254,6 +256,13 @@ macro_rules! patient_file {
                 remarks
             }
 
+            /// What its conditions make of an eye that is without them.
+            pub(super) fn write_conditions(&self, affected: &mut Affected) {
+                $(if let Some(condition) = &self.$condition {
+                    condition.write(affected);
+                })+
+            }
+
             /// What its conditions are like, by name.
             pub fn condition_captions(&self) -> Vec<(&'static str, String)> {
                 let mut captions = Vec::new();
@@ -356,8 +365,8 @@ with_conditions! { patient_file! {
         eye: Laterality = Laterality::OD, "OD or OS";
         /// Seed of the irises' fibres and the scleras' vessels.
         seed: u64 = 1, "a whole number, 0 to 18446744073709551615";
-        /// Pupils: `Auto` or `Fixed(mm)`, 1 to 9 mm.
-        pupil: PupilSetting = PupilSetting::Auto, "Auto or Fixed(mm), 1 to 9";
+        /// Pupils: `Auto` or `Fixed(mm)`.
+        pupil: PupilSetting = PupilSetting::Auto, PUPIL_SETTINGS;
     }
     eye_choices {
         /// Colour class of the iris; the three fractions override it.

@@ -3,6 +3,7 @@
 //!
 //! Keep in sync with `shaders/view/percept_uniform.wgsl`, `features.wgsl` and `field`.
 
+use crate::anatomy::USUAL_PUPIL_MM;
 use bytemuck::{Pod, Zeroable};
 
 /// Pixels along each side of a workgroup of the per-pixel passes.
@@ -144,7 +145,7 @@ impl Default for PerceptUniform {
             starve_steps: 0,
             rebase_steps: FORGET,
             fast_threshold: 20,
-            pupil_m: 4e-3,
+            pupil_m: 1e-3 * USUAL_PUPIL_MM as f32,
             refraction_d: 0.0,
             neural_floor_rad: (1.0_f32 / 60.0).to_radians(),
             eccentricity_e2_rad: 2.5_f32.to_radians(),

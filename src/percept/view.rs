@@ -148,7 +148,7 @@ pub struct Percept {
     pub(super) known_movers: HashSet<u32>,
     /// Who knows where she may look in it.
     #[reflect(ignore)]
-    pub(super) told: Option<Entity>,
+    pub(super) reported_to: Option<Entity>,
     /// How its camera drew it.
     #[reflect(ignore)]
     pub(super) look: Look,
@@ -212,7 +212,7 @@ impl Default for Percept {
             asked: Asked::default(),
             moved: Moved::default(),
             known_movers: HashSet::default(),
-            told: None,
+            reported_to: None,
             look: Look::default(),
             taken_with: (0, 0.0, 0.0),
             drawn_into: None,
@@ -306,7 +306,7 @@ impl Percept {
     }
 }
 
-/// What comes back to a view, and to whom it is told.
+/// What comes back to a view, and to whom it is reported.
 type Receiving<'a> = (
     &'a SeesAs,
     &'a Worn,
@@ -368,11 +368,11 @@ pub(super) fn receive(
         let found = finder.find(sees.0);
         // A camera that sees as another now has news for her.
         if let Some((eye, patient)) = found
-            && (is_news || (percept.told != Some(patient) && !percept.is_new))
+            && (is_news || (percept.reported_to != Some(patient) && !percept.is_new))
             && first.get(&patient) == Some(&own)
             && let Ok((controller, person, mut adaptation, candidates)) = people.get_mut(patient)
         {
-            percept.told = Some(patient);
+            percept.reported_to = Some(patient);
             if adaptation.is_measured {
                 let luminance_cd_m2 = match &percept.photo {
                     Some(laid) => laid.photo.mean_luminance_cd_m2,

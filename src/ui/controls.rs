@@ -6,7 +6,7 @@ mod chosen;
 use super::pictures::bars;
 use super::state::{Controlled, GazeMode, UiState};
 use super::{OwnScene, Request, Saved};
-use crate::anatomy::PUPIL_RANGE_MM;
+use crate::anatomy::{PUPIL_RANGE_MM, USUAL_PUPIL_MM};
 use crate::appearance::EyeOrbit;
 use crate::motion::MotionCommand;
 use crate::stage::{PanelLight, SessionCommand};
@@ -144,7 +144,7 @@ fn pupil(ui: &mut Ui, state: &mut UiState, controlled: &mut Controlled) {
     let now = controlled
         .view
         .controller()
-        .map_or(4.0, |controller| controller.state().pupil_mm);
+        .map_or(USUAL_PUPIL_MM, |controller| controller.state().pupil_mm);
     let mut held = state.held_pupil_mm.is_some();
     let mut diameter = state.held_pupil_mm.unwrap_or(now);
     ui.horizontal(|ui| {

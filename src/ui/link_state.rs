@@ -9,8 +9,8 @@ mod patient;
 
 pub use patient::changes;
 
-use crate::anatomy::PUPIL_RANGE_MM;
 use crate::anatomy::gaze::GazeAngles;
+use crate::anatomy::{PUPIL_RANGE, PUPIL_RANGE_MM};
 use crate::appearance::EyeOrbit;
 use crate::patients::{PRESETS, PatientFile, load_patient};
 use crate::scene::catalog::BuiltIn;
@@ -67,7 +67,7 @@ pub struct LinkState {
     pub shown: [bool; 2],
     /// Who directs gaze.
     pub gaze: LinkGaze,
-    /// Pupil held by hand, mm, 1 to 9.
+    /// Pupil held by hand, mm, within [`PUPIL_RANGE_MM`].
     pub held_pupil_mm: Option<f64>,
     /// Where the camera before the eye stands.
     pub orbit: EyeOrbit,
@@ -305,7 +305,7 @@ impl LinkState {
                     self.held_pupil_mm = Some(pupil_mm);
                     Ok(())
                 }
-                None => refuse("1 to 9"),
+                None => refuse(PUPIL_RANGE),
             },
             "speed" => match number(0.05, 4.0) {
                 Some(speed) => {

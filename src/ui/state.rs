@@ -149,7 +149,7 @@ pub struct Controlled<'w, 's> {
     pub(super) panels: Panels<'w, 's>,
     pub(super) images: ResMut<'w, Assets<Image>>,
     pub(super) view: StageView<'w, 's>,
-    pub(super) dressed: PatientReader<'w, 's>,
+    pub(super) patients: PatientReader<'w, 's>,
     pub(super) ledger: Res<'w, WorkLedger>,
     pub(super) session_commands: MessageWriter<'w, SessionCommand>,
     pub(super) motion_commands: MessageWriter<'w, MotionCommand>,
@@ -163,13 +163,13 @@ pub(super) struct Shown<'w, 's> {
     pub(super) clock: Res<'w, SimulationClock>,
     pub(super) panels: Panels<'w, 's>,
     pub(super) view: StageView<'w, 's>,
-    dressed: PatientReader<'w, 's>,
+    patients: PatientReader<'w, 's>,
 }
 
 impl Shown<'_, '_> {
     /// The patient as a file would say; `None` before she is there.
     pub(super) fn patient(&self) -> Option<PatientFile> {
-        self.dressed.file(self.stage.patient)
+        self.patients.file(self.stage.patient)
     }
 
     /// Seed of every random choice.
@@ -181,7 +181,7 @@ impl Shown<'_, '_> {
 impl Controlled<'_, '_> {
     /// The patient as a file would say; `None` before she is there.
     pub(super) fn patient(&self) -> Option<PatientFile> {
-        self.dressed.file(self.stage.patient)
+        self.patients.file(self.stage.patient)
     }
 
     /// Seed of every random choice.

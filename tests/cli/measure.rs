@@ -142,11 +142,30 @@ fn a_patient_acts_where_the_help_says_so() {
     assert_eq!(iris["stroma_melanin_fraction"], 0.0004);
     let film = own(&of("tear-film"), "of", "rows");
     assert_eq!(film["lipid_thickness_nm"], 90.0);
-    // The tables of published eyes stay what they are.
+    // A cataract scatters more than a clear eye as old, as its straylight says.
+    let clouded = files.write(
+        "eve.ron",
+        b"(age_years: 61, cataract: (cortical: 3.0, log_s: Some(2.0)))",
+    );
+    let glare_of = |patient: &str| {
+        let table = parsed(&said(&["measure", "glare", "--patient", patient]));
+        let rows = table["rows"].as_array().expect("rows").clone();
+        let seven = |row: &&Value| row["of"] == "patient" && row["angle_deg"] == 7.0;
+        let row = rows.iter().find(seven).expect("at 7°").clone();
+        ["media_spread_per_sr", "measured_straylight_log"].map(|key| row[key].as_f64())
+    };
+    let [added, log] = glare_of(&clouded);
+    assert!(added > Some(0.1), "{added:?}");
+    assert!(log.is_some_and(|log| (log - 2.0).abs() < 0.02), "{log:?}");
+    assert_eq!(glare_of(&patient)[0], Some(0.0));
+    // The tables of published eyes stay what they are, and say so.
     let alone = said(&["measure", "blur-disc"]);
+    let other = run(&["measure", "blur-disc", "--patient", &patient]);
+    assert!(other.status.success());
+    assert_eq!(text(&other.stdout), alone);
     assert_eq!(
-        said(&["measure", "blur-disc", "--patient", &patient]),
-        alone
+        text(&other.stderr),
+        "the table blur-disc is of published eyes: --patient and --eye change nothing in it\n"
     );
 }
 

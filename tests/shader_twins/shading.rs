@@ -273,7 +273,7 @@ fn the_lids() {
     let samples = 2 * LID_SAMPLES;
     let call = format!(
         "let p = vec3f(x[{}], x[{}], x[{}]); let at = lid_knot(p.x); \
-         let s = lid_shade(vec4f(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
+         let s = lid_shade(LidSpan(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
          y[0] = s.sky; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
          y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]);",
         samples,

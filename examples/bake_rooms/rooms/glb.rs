@@ -513,7 +513,8 @@ fn encode(
 }
 
 /// A GLB container (glTF 2.0, 4.4).
-fn container(mut json: Vec<u8>, binary: Vec<u8>) -> Vec<u8> {
+/// The parts of a binary glTF file, put together.
+pub fn container(mut json: Vec<u8>, binary: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + json.len() + 8 + binary.len();
     let mut file = b"glTF".to_vec();

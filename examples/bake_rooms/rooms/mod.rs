@@ -14,6 +14,7 @@ use shade::bake_ambient_occlusion;
 use shapes::Shape;
 use std::error::Error;
 
+pub mod clinic;
 mod desk;
 mod furniture;
 pub mod glb;

@@ -15,6 +15,9 @@ use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
+/// Who is shown and measured where nobody is named.
+pub(super) const DEFAULT_PATIENT: &str = "healthy-brown";
+
 /// An anatomically accurate human eye to look at and to look through.
 ///
 /// Without a command it opens a window: on the left the patient's eye, on the right what the
@@ -36,7 +39,7 @@ pub(super) struct Cli {
 #[derive(Args, Clone)]
 pub(super) struct Shown {
     /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
-    #[arg(long, default_value = "healthy-brown", value_name = "P")]
+    #[arg(long, default_value = DEFAULT_PATIENT, value_name = "P")]
     pub(super) patient: PathBuf,
     /// The eye that is drawn and that sees, right or left; as the patient's file says without it.
     #[arg(long, value_enum, value_name = "EYE", ignore_case = true)]
@@ -277,9 +280,9 @@ pub(super) struct MeasureArgs {
     /// What to measure.
     #[arg(value_enum)]
     pub(super) table: Measured,
-    /// A built-in patient (`ocularium patients` lists them) or a patient file (RON).
-    #[arg(long, default_value = "healthy-brown", value_name = "P")]
-    pub(super) patient: PathBuf,
+    /// A built-in patient (`ocularium patients` lists them) or a patient file (RON); healthy-brown without it.
+    #[arg(long, value_name = "P")]
+    pub(super) patient: Option<PathBuf>,
     /// The eye that is measured, right or left; as the patient's file says without it.
     #[arg(long, value_enum, value_name = "EYE", ignore_case = true)]
     pub(super) eye: Option<EyeArg>,

@@ -1,8 +1,8 @@
 //! `measure`: a table into a file or onto standard output.
 
-use super::arguments::{MeasureArgs, Measured};
+use super::arguments::{DEFAULT_PATIENT, MeasureArgs, Measured};
 use super::sentences::{inform, say};
-use crate::anatomy::Laterality;
+use crate::anatomy::{Laterality, MEASURED_PUPIL_MM, USUAL_PUPIL_MM};
 use crate::lab::iris_picture::iris_pictures;
 use crate::lab::looks::looks;
 use crate::lab::measure::{MeasuredEye, measure};
@@ -12,9 +12,19 @@ use std::error::Error;
 use std::path::Path;
 
 pub(super) fn measure_command(arguments: &MeasureArgs) -> Result<(), Box<dyn Error>> {
-    let mut patient = load_patient(&arguments.patient)?;
+    let name = arguments.patient.as_deref();
+    let mut patient = load_patient(name.unwrap_or(Path::new(DEFAULT_PATIENT)))?;
     if let Some(eye) = arguments.eye {
         patient.eye = eye.laterality();
+    }
+    if let Measured::Table(table) = arguments.table
+        && !table.is_of_the_patient()
+        && (name.is_some() || arguments.eye.is_some())
+    {
+        inform(&format!(
+            "the table {} is of published eyes: --patient and --eye change nothing in it",
+            table.name()
+        ));
     }
     let measured = || -> Result<(&str, String), Box<dyn Error>> {
         Ok(match arguments.table {
@@ -60,9 +70,6 @@ fn prepare_file(file: &Path) -> Result<(), WriteError> {
     prepare_folder(folder).map_err(|error| refused(error.reason))
 }
 
-/// Diameter of the hole in the iris of a patient whose pupil light would set, mm.
-const USUAL_PUPIL_MM: f64 = 4.0;
-
 /// What of a patient is measured: of her leading eye.
 fn measured_eye(patient: &PatientFile) -> MeasuredEye {
     let (eye, cornea, iris, ..) = patient.eye_components(patient.eye);
@@ -93,6 +100,9 @@ fn measured_eye(patient: &PatientFile) -> MeasuredEye {
         eumelanin_ratio: pigment.eumelanin_ratio,
         stroma_blood_fraction: pigment.stroma_blood_fraction,
         glare_pigment: iris.color.glare_pigment(),
+        media_straylight_deg2_per_sr: patient
+            .media(patient.eye)
+            .straylight_through(MEASURED_PUPIL_MM),
         lipid_thickness_nm: cornea.lipid_thickness_nm,
     }
 }

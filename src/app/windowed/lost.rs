@@ -22,10 +22,10 @@ pub(super) fn on_render_error(
     main_world: &mut World,
     _: &mut World,
 ) -> RenderErrorPolicy {
-    if main_world.contains_resource::<Told>() {
+    if main_world.contains_resource::<Reported>() {
         return RenderErrorPolicy::StopRendering;
     }
-    main_world.insert_resource(Told);
+    main_world.insert_resource(Reported);
     let description = error
         .description
         .split_whitespace()
@@ -60,6 +60,6 @@ pub(super) fn on_render_error(
     RenderErrorPolicy::StopRendering
 }
 
-/// The end has been told.
+/// The end has been reported.
 #[derive(Resource)]
-struct Told;
+struct Reported;

@@ -2,9 +2,9 @@
 
 use super::knots::{Knot, knot_at};
 use super::mix;
-use crate::appearance::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins};
+use crate::appearance::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins, LidSpan};
 use crate::optics::smoothstep::smoothstep;
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
 /// Shares of the light that the lids leave, and the distance to their margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,15 +28,15 @@ pub fn lid_knot(x: f64) -> Knot {
 /// The shade of the lids at a point `p` (head frame) of the globe.
 pub fn lids_at(lids: &LidMargins, p: DVec3) -> LidShade {
     let at = lid_knot(p.x);
-    lid_shade(lids.spans[at.below].as_dvec4(), at.part, p)
+    lid_shade(&lids.spans[at.below], at.part, p)
 }
 
-/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins (heights, mm,
-/// of the upper one at a sample and at the next, then of the lower one): the upper lid and its lashes overhang, so that
+/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins: the upper lid and its lashes overhang, so that
 /// a soft band lies below its margin; the lower lid only touches.
-pub fn lid_shade(span: DVec4, part: f64, p: DVec3) -> LidShade {
-    let upper = mix(span.x, span.y, part) - p.y;
-    let lower = p.y - mix(span.z, span.w, part);
+pub fn lid_shade(span: &LidSpan, part: f64, p: DVec3) -> LidShade {
+    let between = |here: f32, next: f32| mix(here.into(), next.into(), part);
+    let upper = between(span.upper, span.upper_next) - p.y;
+    let lower = p.y - between(span.lower, span.lower_next);
     let (u, l) = (upper.max(0.0), lower.max(0.0));
     LidShade {
         sky: (1.0 - 0.55 * (-u / 1.3).exp()) * (1.0 - 0.5 * (-l / 0.8).exp()),

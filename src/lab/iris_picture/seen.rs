@@ -217,11 +217,12 @@ impl IrisPicture {
 
     /// What the cornea's back mirrors (`inner_image` of the shader).
     fn second_image(&self, seen: &SeenIris) -> DVec3 {
+        let pair = |radius_mm: f32, p: f32| DVec2::new(radius_mm.into(), p.into());
         let eye = MirrorEye {
             anterior: self.anterior(),
             posterior: self.posterior(),
-            lens_front: self.globe.lens_front.as_dvec2(),
-            lens_back: self.globe.lens_back.as_dvec2(),
+            lens_front: pair(self.globe.lens_front_radius_mm, self.globe.lens_front_p),
+            lens_back: pair(self.globe.lens_back_radius_mm, self.globe.lens_back_p),
             thickness: f64::from(self.globe.thickness_mm),
             lens_depth: self.iris_depth() + f64::from(self.globe.lens_forward_mm),
             lens_thickness: f64::from(self.globe.lens_thickness_mm),

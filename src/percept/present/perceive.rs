@@ -119,10 +119,14 @@ pub(in crate::percept) fn perceive(
         }
         let visible = is_shown(options, panel) && worn.size() != UVec2::ZERO;
         let Some((eye, person)) = found else {
-            if finder.find(sees.0).is_some() {
-                warn_once!(
+            match finder.find(sees.0) {
+                Some((eye, _)) if !eyes.contains(eye) => warn_once!(
                     "somebody is seen through who is not whole: an eye needs a Cornea and an Iris, as a patient file gives them"
-                );
+                ),
+                Some(_) => warn_once!(
+                    "somebody is seen through who is not whole: a person needs Eyelids, a SharpnessField and a GazeController, which a Patient brings with it"
+                ),
+                None => {}
             }
             // Who sees again sees anew.
             percept.begin_scene();
