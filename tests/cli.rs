@@ -151,6 +151,14 @@ fn it_says_what_it_is_and_what_it_has() {
 fn patients_are_checked_field_by_field() {
     let files = Files::new();
     let sound = files.write("ann.ron", b"(name: \"Ann\", age_years: 40, sphere_d: -1.5)");
+    let path = files.write(
+        "path.ron",
+        b"[(time_s: 0.0), (time_s: 2.5, forward_m: 1.0)]",
+    );
+    assert_eq!(
+        said(&["check", &path]),
+        format!("{path} is sound: a head path of 2 moments, 2.5 s long.\n")
+    );
     let line = said(&["check", &sound]);
     assert!(
         line.contains("sound") && line.contains("Ann") && line.contains("40"),

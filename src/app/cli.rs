@@ -83,9 +83,14 @@ fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
             }
         }
         Some(Command::Check { file }) => {
-            let patient = load_patient(&file)?;
+            let name = file.display().to_string();
+            let lines = match (load_patient(&file), HeadPath::load(&file)) {
+                (Ok(patient), _) => check::checked(&patient, &name),
+                (Err(_), Ok(path)) => vec![check::checked_path(&path, &name)],
+                (Err(error), Err(_)) => return Err(error.into()),
+            };
             let mut out = std::io::stdout().lock();
-            for line in check::checked(&patient, &file.display().to_string()) {
+            for line in lines {
                 say(&mut out, &one_line(&line))?;
             }
         }

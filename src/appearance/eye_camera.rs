@@ -245,6 +245,17 @@ pub fn wake_cameras(
     for (eye, orbit, quality, panel, mut drawn, mut camera, mut msaa) in &mut cameras {
         let drawn = &mut *drawn;
         let Ok(parts) = models.get(eye.0) else {
+            // An eye that is gone leaves an empty picture, which is drawn once.
+            let awake = panel.visible && (drawn.orbit.is_some() || drawn.size != panel.size);
+            if camera.is_active != awake {
+                camera.is_active = awake;
+            }
+            if awake {
+                *drawn = Drawn {
+                    size: panel.size,
+                    ..default()
+                };
+            }
             continue;
         };
         drawn.is_stale |= parts.is_changed();

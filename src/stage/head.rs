@@ -241,6 +241,16 @@ impl HeadPath {
         Ok(Self(keys))
     }
 
+    /// How many moments it names, 1 and more.
+    pub fn moments(&self) -> usize {
+        self.0.len()
+    }
+
+    /// When its last moment is, s.
+    pub fn end_s(&self) -> f64 {
+        self.0.last().map_or(0.0, |key| key.time_s)
+    }
+
     /// Where the head is at a time: on a smooth curve through the keys, and at rest before the first and
     /// after the last.
     pub fn at(&self, time_s: f64) -> Head {

@@ -108,9 +108,9 @@ pub(super) enum Command {
     Patients,
     /// Lists the built-in scenes.
     Scenes,
-    /// Says whether a patient file is sound.
+    /// Says whether a patient file or a head path is sound.
     Check {
-        /// The patient file (RON).
+        /// The file (RON).
         file: PathBuf,
     },
 }

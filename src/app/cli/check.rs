@@ -3,6 +3,7 @@
 use crate::anatomy::Laterality;
 use crate::input_file::one_clause;
 use crate::patients::{FIELDS, PatientFile};
+use crate::stage::HeadPath;
 
 /// As on a prescription: signed, two decimals at least and all that there are, with the axis where there is one.
 fn prescription(eye: &PatientFile) -> String {
@@ -113,6 +114,16 @@ pub(super) fn checked(patient: &PatientFile, file: &str) -> Vec<String> {
             .map(|remark| format!("{remark}.")),
     );
     lines
+}
+
+/// What there is to say of a sound head path.
+pub(super) fn checked_path(path: &HeadPath, file: &str) -> String {
+    let (moments, seconds) = (path.moments(), path.end_s());
+    let moments = match moments {
+        1 => "one moment".into(),
+        many => format!("{many} moments"),
+    };
+    format!("{file} is sound: a head path of {moments}, {seconds} s long.")
 }
 
 #[cfg(test)]
