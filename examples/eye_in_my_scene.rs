@@ -19,8 +19,8 @@ fn main() -> AppExit {
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
         .insert_resource(PictureSize::of(recording.as_ref()))
         .add_plugins(RecordPlugin(recording))
-        .add_systems(Startup, (room::furnish, look_at_her))
-        .add_systems(Update, (wander, cloud))
+        .add_systems(Startup, (room::load, look_at_her))
+        .add_systems(Update, (walk_around, worsen))
         .run()
 }
 
@@ -59,7 +59,7 @@ fn look_at_her(mut commands: Commands, size: Res<PictureSize>) {
 }
 
 /// Her lens clouds over, in her pupil and in what she sees.
-fn cloud(mut cataracts: Query<&mut Cataract>, clock: Res<SimulationClock>) {
+fn worsen(mut cataracts: Query<&mut Cataract>, clock: Res<SimulationClock>) {
     for mut cataract in &mut cataracts {
         cataract.nuclear = (3.0 * clock.time_s).min(6.0);
     }
@@ -69,7 +69,7 @@ fn cloud(mut cataracts: Query<&mut Cataract>, clock: Res<SimulationClock>) {
 #[derive(Component)]
 struct Wandering;
 
-fn wander(mut cameras: Query<&mut Transform, With<Wandering>>, clock: Res<SimulationClock>) {
+fn walk_around(mut cameras: Query<&mut Transform, With<Wandering>>, clock: Res<SimulationClock>) {
     for mut camera in &mut cameras {
         let angle = 0.5 * (clock.time_s as f32).sin();
         // Her face looks along -z.

@@ -16,7 +16,7 @@ fn main() -> AppExit {
     App::new()
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
         .add_plugins(RecordPlugin(recording))
-        .add_systems(Startup, (room::furnish, sit_down))
+        .add_systems(Startup, (room::load, sit_down))
         .add_systems(Update, (worsen, walk))
         .run()
 }

@@ -17,11 +17,11 @@ fn main() -> AppExit {
         .add_plugins((plugins(recording.as_ref()), OculariumPlugins))
         .insert_resource(PictureSize::of(recording.as_ref()))
         .add_plugins(RecordPlugin(recording))
-        .add_systems(Startup, (room::furnish, meet))
+        .add_systems(Startup, (room::load, setup))
         .run()
 }
 
-fn meet(mut commands: Commands, size: Res<PictureSize>) {
+fn setup(mut commands: Commands, size: Res<PictureSize>) {
     let before = commands.spawn(Patient::preset("healthy-brown")).id();
     let after = commands
         .spawn((

@@ -128,6 +128,15 @@ fn two_patients_see_the_same_room_differently() {
     let (before, after) = (half(0), half(160));
     assert!(mean(&before) > 10.0 && mean(&after) > 5.0);
     assert!(apart(&before, &after) > 2.0, "both see alike");
+    // What is lost is dim and blurred.
+    assert!(
+        contrast(&after) < 0.9 * contrast(&before) && mean(&after) < mean(&before),
+        "{} and {}, {} and {}",
+        contrast(&before),
+        contrast(&after),
+        mean(&before),
+        mean(&after)
+    );
 }
 
 /// The examples' scene is a file, which Bevy's own loader reads. Where it is not there a sentence says so, and

@@ -147,6 +147,7 @@ fn the_library_without_features_is_mathematics() {
 /// The README's table of a patient file is that of the program.
 #[test]
 fn the_readme_knows_every_field_of_a_patient_file() {
+    use ocularium::conditions::{Cataract, Condition, Glaucoma, Ptosis};
     use ocularium::patients::{CONDITIONS, FIELDS, PRESETS, PatientFile};
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
     let readme = fs::read_to_string(readme).expect("the README");
@@ -186,8 +187,21 @@ fn the_readme_knows_every_field_of_a_patient_file() {
             );
         }
     }
-    for (name, _) in CONDITIONS {
-        row(name);
+    for (name, meaning) in CONDITIONS {
+        let ranges: Vec<(f64, f64)> = match *name {
+            "glaucoma" => Glaucoma::controls().iter().map(|own| own.range).collect(),
+            "cataract" => Cataract::controls().iter().map(|own| own.range).collect(),
+            "ptosis" => Ptosis::controls().iter().map(|own| own.range).collect(),
+            other => panic!("{other} has no row here"),
+        };
+        for (low, high) in ranges {
+            for text in [row(name), meaning] {
+                let is_there = [(low, high), (high, low)]
+                    .iter()
+                    .any(|(from, to)| text.contains(&format!("{from} to {to}")));
+                assert!(is_there, "{name}: {low} to {high} is not in {text}");
+            }
+        }
     }
     // What no single eye may have is listed, and nothing else is.
     let (_, alone) = readme

@@ -129,6 +129,15 @@ fn cloud(headless: &mut Headless, cataract: Cataract) {
     }
 }
 
+/// The veil of its right eye now, through the pupil that it has.
+fn veil_now(headless: &mut Headless) -> Veil {
+    let world = headless.world();
+    let mut eyes = world.query::<(&OcularMedia, &Pupil, &Cornea, &Iris)>();
+    let (media, pupil, cornea, iris) = eyes.iter(world).next().expect("an eye");
+    let entrance_mm = pupil.diameter_mm * cornea.pupil_magnification(iris.depth_mm);
+    Veil::new(media.straylight_through(entrance_mm), 0.5)
+}
+
 /// Shows some frames under this exposure. Another supersampling is another picture, which takes some.
 fn show(headless: &mut Headless, camera: Entity, exposure: f32, frames: usize) {
     headless.world().entity_mut(camera).insert(ViewOptions {
@@ -155,7 +164,7 @@ fn the_veil_of_a_light_is_the_glare_function() {
     cloud(&mut headless, Cataract::cortical(3.0));
     show(&mut headless, camera, 1.0, 12);
     let before = headless.work();
-    let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
+    let veil = veil_now(&mut headless);
     // Light on the pupil: luminance times solid angle.
     let source = f64::from(LUMINANCE) * f64::from(2.0 * HALF_SIDE).powi(2);
     for angle_deg in [1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 28.0, 30.0_f64] {
@@ -187,7 +196,7 @@ fn a_light_aside_of_the_middle_has_the_same_veil() {
         let (mut headless, camera, image) = dark_world(aside, HALF_SIDE, size);
         cloud(&mut headless, Cataract::cortical(3.0));
         show(&mut headless, camera, 1.0, 12);
-        let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
+        let veil = veil_now(&mut headless);
         let towards = Vec3::new(aside, 0.0, -1.0).normalize();
         // Luminance times solid angle.
         let source = f64::from(LUMINANCE)
@@ -340,7 +349,7 @@ fn a_light_at_the_border_has_no_more_veil_than_itself() {
         let (mut headless, camera, image) = dark_world(aside, half_side, size);
         cloud(&mut headless, Cataract::cortical(3.0));
         show(&mut headless, camera, 1.0, 12);
-        let veil = Veil::new(Cataract::cortical(3.0).straylight(), 0.5);
+        let veil = veil_now(&mut headless);
         let seen = (TAN_HALF - (aside - half_side)).min(2.0 * half_side);
         let middle = aside - half_side + 0.5 * seen;
         let towards = Vec3::new(middle, 0.0, -1.0).normalize();

@@ -67,7 +67,7 @@ pub fn seat() -> Transform {
 }
 
 /// Floor, walls, a shelf of boxes at several distances, and two lights, from a glTF file by Bevy's own loader.
-pub fn furnish(mut commands: Commands, server: Res<AssetServer>) {
+pub fn load(mut commands: Commands, server: Res<AssetServer>) {
     let clinic = GltfAssetLabel::Scene(0).from_asset("examples/clinic.glb");
     commands.spawn(WorldAssetRoot(server.load(clinic)));
 }

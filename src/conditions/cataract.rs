@@ -130,16 +130,18 @@ impl Cataract {
 
     /// Straylight at 7° that it adds by its grades, deg² sr⁻¹. Scatterers add in intensity.
     pub fn straylight(&self) -> f64 {
-        let [nuclear, cortical, subcapsular] = self.grades();
-        1.2 * (nuclear - 1.0).max(0.0).powi(2)
-            + 1.2 * cortical.powi(2)
-            + subcapsular_straylight(subcapsular)
+        self.straylight_by_place().iter().sum()
     }
-}
 
-/// Straylight at 7° of a cloud of this grade through the pupil that was measured, deg² sr⁻¹.
-fn subcapsular_straylight(grade: f64) -> f64 {
-    3.0 * grade * grade
+    /// The same of nucleus, cortex and a cloud before the capsule.
+    fn straylight_by_place(&self) -> [f64; 3] {
+        let [nuclear, cortical, subcapsular] = self.grades();
+        [
+            1.2 * (nuclear - 1.0).max(0.0).powi(2),
+            1.2 * cortical.powi(2),
+            3.0 * subcapsular.powi(2),
+        ]
+    }
 }
 
 impl Condition for Cataract {
@@ -190,14 +192,16 @@ impl Condition for Cataract {
         let media = &mut affected.media;
         let by_grades = graded.straylight();
         let added = self.measured(healthy).unwrap_or(by_grades);
-        // The cloud before the capsule has the share of it that its grade has.
-        let of_cloud = if by_grades > 0.0 {
-            added * subcapsular_straylight(subcapsular) / by_grades
+        // Each place has the share of it that its grade has.
+        let share = if by_grades > 0.0 {
+            added / by_grades
         } else {
             0.0
         };
-        media.straylight += added - of_cloud;
-        media.subcapsular_straylight += of_cloud;
+        let of = graded.straylight_by_place().map(|own| share * own);
+        media.nuclear_straylight += of[0];
+        media.cortical_straylight += of[1];
+        media.subcapsular_straylight += of[2];
         media.nuclear_density += 0.10 * (nuclear - YELLOW_FROM).max(0.0).powf(1.5);
         if nuclear > 0.0 {
             // Over what a clear nucleus, grade 1, sends back.
@@ -307,14 +311,28 @@ mod tests {
     }
 
     #[test]
-    fn a_cloud_before_the_capsule_dazzles_by_the_pupil_and_others_alike() {
+    fn clouds_dazzle_by_the_pupil_and_where_they_lie() {
         let change = |cataract: Cataract| {
             let media = media(cataract);
             media.straylight_through(2.0) / media.straylight_through(6.0)
         };
         assert!(change(Cataract::posterior_subcapsular(1.5)) > 2.0);
-        assert_eq!(change(Cataract::nuclear(3.0)), 1.0);
-        assert_eq!(change(Cataract::cortical(3.0)), 1.0);
+        // Through 6 mm a little of the light passes beside the nucleus, and more meets the rim.
+        let nuclear = change(Cataract::nuclear(3.0));
+        assert!((1.0..1.1).contains(&nuclear), "{nuclear}");
+        let cortical = change(Cataract::cortical(3.0));
+        assert!((0.5..0.7).contains(&cortical), "{cortical}");
+        // Before and after dilation, log s of whole eyes (see `CORTEX_RIM`): cortical 1.38 and 1.51, or 1.45 and 1.63;
+        // nuclear 1.71 and 1.66.
+        let dilated = |cataract: Cataract| {
+            let media = media(cataract);
+            let healthy = 10f64.powf(OcularMedia::healthy(70.0, 0.5).log_straylight());
+            (healthy + media.straylight_through(6.9)).log10() - media.log_straylight()
+        };
+        let cortical = dilated(Cataract::cortical(3.0).with_log_s(1.38));
+        assert!((0.09..0.18).contains(&cortical), "{cortical}");
+        let nuclear = dilated(Cataract::nuclear(3.0).with_log_s(1.71));
+        assert!((-0.08..-0.01).contains(&nuclear), "{nuclear}");
         // A measured straylight is shared out as the grades are.
         let measured = Cataract {
             nuclear: 3.0,

@@ -70,7 +70,7 @@ impl Plugin for PerceptPlugin {
                     capture::sight::notice,
                     capture::when::drive_captures,
                     present::perceive::perceive,
-                    capture::when::rouse_morphs,
+                    capture::when::activate_for_morphs,
                 )
                     .chain()
                     .after(TransformSystems::Propagate)

@@ -116,7 +116,7 @@ pub struct Percept {
     /// What Bevy will draw the scene into for captures, while it draws into a small picture.
     #[reflect(ignore)]
     pub(super) full_picture: Option<Handle<Image>>,
-    /// The camera draws once more before the capture that was asked for last: see [`rouse_morphs`](super::capture).
+    /// The camera draws once more before the capture that was asked for last: see [`activate_for_morphs`](super::capture).
     #[reflect(ignore)]
     pub(super) is_rehearsal: bool,
     /// What is seen is another scene: nothing remembered applies, and time waits for it.

@@ -169,7 +169,7 @@ impl<'a> Tracer<'a> {
             }
             for index in node.start..node.start + node.count {
                 let triangle = &triangles[index as usize];
-                if let Some((distance, barycentric)) = meet(triangle, origin, direction)
+                if let Some((distance, barycentric)) = intersect(triangle, origin, direction)
                     && distance > near
                     && distance < limit
                 {
@@ -371,7 +371,7 @@ fn crosses(node: &Node, origin: Vec3, inverse: Vec3, limit: f32) -> bool {
     enter <= leave * 1.000_01 && enter < limit
 }
 
-fn meet(triangle: &Triangle, origin: Vec3, direction: Vec3) -> Option<(f32, Vec2)> {
+fn intersect(triangle: &Triangle, origin: Vec3, direction: Vec3) -> Option<(f32, Vec2)> {
     let [e1, e2] = triangle.edges;
     let p = direction.cross(e2);
     let determinant = e1.dot(p);

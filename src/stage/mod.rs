@@ -167,10 +167,10 @@ impl Plugin for StagePlugin {
             .add_systems(
                 Update,
                 (
-                    look_unseen.before(EyeCommands),
+                    offer_unseen_places.before(EyeCommands),
                     (
                         carry_out,
-                        mind_panels,
+                        sync_models_with_panels,
                         scene_view::fit_field,
                         scene_light::adapt,
                     )
@@ -304,7 +304,7 @@ fn carry_out(
 }
 
 /// What is hidden is not moved, and small pictures do with small maps.
-fn mind_panels(
+fn sync_models_with_panels(
     panels: Panels,
     mut models: Query<(&mut Visibility, &mut EyeDetail), With<EyeModel>>,
 ) {
@@ -322,7 +322,7 @@ fn mind_panels(
 }
 
 /// An eye that is shown alone still looks about; no pass of the view runs for it.
-fn look_unseen(
+fn offer_unseen_places(
     panels: Panels,
     readiness: Res<Readiness>,
     mut clock: ResMut<SimulationClock>,

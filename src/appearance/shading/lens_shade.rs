@@ -1,11 +1,10 @@
 //! A clouded lens behind the pupil. Twin: `shaders/lib/lens_shade.wgsl`.
 
-use crate::anatomy::LENS_DISC_MM;
+use crate::anatomy::{LENS_DISC_MM, NUCLEUS_RADIUS_MM};
 use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3};
 
 const LENS_RADIUS_MM: f64 = 0.5 * LENS_DISC_MM;
-const NUCLEUS_RADIUS_MM: f64 = 2.75;
 /// Behind the plane of the iris, mm: clouded cortex, the middle of the nucleus, the posterior capsule.
 const CORTEX_DEPTH_MM: f64 = 0.6;
 const NUCLEUS_DEPTH_MM: f64 = 1.8;

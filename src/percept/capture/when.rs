@@ -259,7 +259,7 @@ type Morphed<'a> = (Entity, Option<&'a mut MeshTag>);
 /// Makes Bevy take in again what it draws by its morph targets while a view is captured. Bevy 0.19 knows the
 /// shape of a mesh only from the frame after it has come into sight on, and only of what changes then; a view's
 /// camera would be gone by then, and draws once more for it.
-pub(in crate::percept) fn rouse_morphs(
+pub(in crate::percept) fn activate_for_morphs(
     views: Query<&PerceptFrame>,
     mut meshes: Query<Morphed, With<MeshMorphWeights>>,
     mut commands: Commands,
