@@ -32,6 +32,16 @@ fn look_at_her(mut commands: Commands, size: Res<PictureSize>) {
         .spawn((Patient::preset("healthy-blue"), Cataract::nuclear(0.0)))
         .id();
     commands.spawn((EyeModel(ann), Transform::from_translation(PLACE)));
+    // An examiner's lamp beside the camera, so that there is something to see in her pupil.
+    commands.spawn((
+        PointLight {
+            intensity: 1500.0,
+            range: 2.0,
+            radius: 0.01,
+            ..default()
+        },
+        Transform::from_translation(PLACE + Vec3::new(0.08, 0.1, -0.25)),
+    ));
     // Before her face.
     commands.spawn((
         Camera3d::default(),

@@ -151,6 +151,12 @@ fn it_says_what_it_is_and_what_it_has() {
 fn patients_are_checked_field_by_field() {
     let files = Files::new();
     let sound = files.write("ann.ron", b"(name: \"Ann\", age_years: 40, sphere_d: -1.5)");
+    let faulty = files.write("late.ron", b"// A walk.\n[(time_s: 1.0), (time_s: 0.5)]");
+    refused(
+        &["check", &faulty],
+        &["head path", "late.ron", "[2].time_s = 0.5"],
+    );
+    render_refused(&["--patient", &faulty], &["late.ron", "--head-path"]);
     let path = files.write(
         "path.ron",
         b"[(time_s: 0.0), (time_s: 2.5, forward_m: 1.0)]",

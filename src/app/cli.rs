@@ -87,6 +87,8 @@ fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
             let lines = match (load_patient(&file), HeadPath::load(&file)) {
                 (Ok(patient), _) => check::checked(&patient, &name),
                 (Err(_), Ok(path)) => vec![check::checked_path(&path, &name)],
+                // What is a list is no patient.
+                (Err(_), Err(error)) if error.is_list() => return Err(error.into()),
                 (Err(error), Err(_)) => return Err(error.into()),
             };
             let mut out = std::io::stdout().lock();

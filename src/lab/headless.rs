@@ -50,7 +50,9 @@ pub enum HeadlessError {
     #[error("a pipeline could not be built: {0}")]
     Pipeline(String),
     /// A file that the app spawns from could not be loaded.
-    #[error("{0}")]
+    #[error(
+        "{0}; assets are looked for where cargo runs a program, beside it, or in BEVY_ASSET_ROOT"
+    )]
     File(String),
     /// It took too long.
     #[error("the first frame was not ready after {0} s")]

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 /// The options of a recording.
 const KNOWN: [&str; 4] = ["--frames", "--out", "--fps", "--size"];
 /// The same, for people.
-pub const USAGE: &str = "--frames N --out DIR (pictures in a folder in place of a window), --fps F (10) and --size WxH (1280x640)";
+pub const USAGE: &str = "--frames N --out DIR (pictures in a folder in place of a window), --fps F (2) and --size WxH (1280x640)";
 
 /// What is to be recorded.
 #[derive(Resource, Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// What a command line asks for by `--frames N --out DIR`, with `--fps F` (10 without it) and
+    /// What a command line asks for by `--frames N --out DIR`, with `--fps F` (2 without it) and
     /// `--size WxH` (1280x640); `None` where it asks for nothing.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Recording {
     ) -> Result<Option<Self>, String> {
         let (mut frames, mut out) = (None, None);
         let mut given = Vec::new();
-        let (mut fps, mut size) = (10.0, UVec2::new(1280, 640));
+        let (mut fps, mut size) = (2.0, UVec2::new(1280, 640));
         // `--frames=3` is `--frames 3`.
         let mut arguments = arguments.into_iter().flat_map(|argument| {
             match argument

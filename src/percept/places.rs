@@ -10,10 +10,12 @@ use crate::motion::Candidate;
 use crate::scene::catalog::LoadedScene;
 use crate::scene::model::SceneModel;
 use crate::scene::photo::PhotoScene;
-use crate::scene::trace::Tracer;
+use crate::scene::trace::{Tracer, Tree};
 use bevy::math::{DVec3, UVec2, Vec2, Vec3};
+use bevy::prelude::Transform;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::sync::Arc;
 
 /// Places to look at in a view without corners.
 const CHANCE_PLACES: usize = 160;
@@ -72,10 +74,15 @@ fn chance_candidate((azimuth_rad, elevation_rad, distance_m): (f64, f64, f64)) -
 }
 
 /// Where an eye looks whose view is not drawn, and the distance (m) straight ahead: directions by
-/// chance, at the distances that the scene has there.
-pub fn unseen_places(scene: &LoadedScene, seed: u64) -> (Vec<Candidate>, f64) {
+/// chance, at the distances that the scene has there. `from` is where the head is, where that is not where a model
+/// puts it, and the tree of that model.
+pub fn unseen_places(
+    scene: &LoadedScene,
+    from: Option<(&Transform, Arc<Tree>)>,
+    seed: u64,
+) -> (Vec<Candidate>, f64) {
     match scene {
-        LoadedScene::Model(model) => unseen(seed, half_model(model), distances_in(model)),
+        LoadedScene::Model(model) => unseen(seed, half_model(model), distances_in(model, from)),
         LoadedScene::Photo(photo) => unseen(seed, half_photo(photo), distances_on(photo)),
     }
 }
@@ -100,13 +107,25 @@ fn half_photo(photo: &PhotoScene) -> Vec2 {
     Vec2::new(up * photo.width as f32 / photo.height as f32, up)
 }
 
-fn distances_in(model: &SceneModel) -> impl Fn(Vec2) -> f64 {
-    let tracer = Tracer::new(model);
-    let eye = Vec3::from(model.eye.position_m);
-    let forward = Vec3::from(model.eye.forward).normalize_or(Vec3::NEG_Z);
-    let right = forward
-        .cross(Vec3::from(model.eye.up))
-        .normalize_or(Vec3::X);
+fn distances_in(model: &SceneModel, from: Option<(&Transform, Arc<Tree>)>) -> impl Fn(Vec2) -> f64 {
+    let (tracer, eye, forward, right) = match from {
+        Some((head, tree)) => (
+            Tracer::with(model, tree),
+            head.translation,
+            *head.forward(),
+            *head.right(),
+        ),
+        None => {
+            let forward = Vec3::from(model.eye.forward).normalize_or(Vec3::NEG_Z);
+            let up = Vec3::from(model.eye.up);
+            (
+                Tracer::new(model),
+                Vec3::from(model.eye.position_m),
+                forward,
+                forward.cross(up).normalize_or(Vec3::X),
+            )
+        }
+    };
     let up = right.cross(forward);
     move |tangents| {
         let ray = (forward + right * tangents.x + up * tangents.y).normalize_or(forward);
@@ -248,7 +267,7 @@ mod tests {
 
     #[test]
     fn an_eye_alone_looks_at_what_is_there() {
-        let (places, ahead_m) = unseen_places(&photo(PhotoDepth::Constant(0.4)), 1);
+        let (places, ahead_m) = unseen_places(&photo(PhotoDepth::Constant(0.4)), None, 1);
         let near = f64::from(0.4f32);
         assert_eq!((places.len(), ahead_m), (CHANCE_PLACES, near));
         // Upper and lower edge stand 10° from the middle, of which 0.7 are looked at.
@@ -267,7 +286,7 @@ mod tests {
         let map = (0..800)
             .map(|i| if i % 40 < 20 { 0.5 } else { f32::INFINITY })
             .collect();
-        let (places, _) = unseen_places(&photo(PhotoDepth::Map(map)), 1);
+        let (places, _) = unseen_places(&photo(PhotoDepth::Map(map)), None, 1);
         for place in places {
             let wanted = if place.azimuth_rad < 0.0 {
                 0.5
@@ -277,15 +296,15 @@ mod tests {
             assert_eq!(place.distance_m, wanted, "{place:?}");
         }
         assert_ne!(
-            unseen_places(&photo(PhotoDepth::Constant(0.4)), 2).0[0].azimuth_rad,
-            unseen_places(&photo(PhotoDepth::Constant(0.4)), 1).0[0].azimuth_rad,
+            unseen_places(&photo(PhotoDepth::Constant(0.4)), None, 2).0[0].azimuth_rad,
+            unseen_places(&photo(PhotoDepth::Constant(0.4)), None, 1).0[0].azimuth_rad,
         );
     }
 
     #[test]
     fn an_eye_alone_in_a_room_looks_no_further_than_its_walls() {
         let room = SceneSource::resolve("room", None).expect("a built-in scene");
-        let (places, ahead_m) = unseen_places(&room, 1);
+        let (places, ahead_m) = unseen_places(&room, None, 1);
         let LoadedScene::Model(model) = &room else {
             panic!("a model")
         };
@@ -307,5 +326,17 @@ mod tests {
             .fold(f64::INFINITY, f64::min);
         let farthest = places.iter().map(|p| p.distance_m).fold(0.0, f64::max);
         assert!(farthest > 2.0 * nearest, "{nearest} to {farthest}");
+
+        // A head that has turned round or gone up into the sky finds what is there.
+        let tree = Tracer::new(model).tree();
+        let seat = Transform::from_translation(Vec3::from(eye))
+            .looking_to(Vec3::from(model.eye.forward), Vec3::from(model.eye.up));
+        let (same, _) = unseen_places(&room, Some((&seat, tree.clone())), 1);
+        for (one, other) in places.iter().zip(&same) {
+            assert!((one.distance_m / other.distance_m - 1.0).abs() < 1e-4);
+        }
+        let sky = Transform::from_xyz(0.0, 50.0, 0.0).looking_to(Vec3::Y, Vec3::X);
+        let (above, ahead_m) = unseen_places(&room, Some((&sky, tree)), 1);
+        assert!(ahead_m == f64::INFINITY && above.iter().all(|p| p.distance_m == f64::INFINITY));
     }
 }

@@ -153,6 +153,22 @@ const BUILT_IN: (&str, &str) = ("walk", include_str!("../../assets/head_paths/wa
 pub struct HeadPathError {
     file: String,
     reason: String,
+    is_list: bool,
+}
+
+impl HeadPathError {
+    /// Is the file a list, as a path is?
+    pub fn is_list(&self) -> bool {
+        self.is_list
+    }
+}
+
+/// Does this text begin a list, after its comments?
+pub(crate) fn begins_list(text: &str) -> bool {
+    text.lines()
+        .map(str::trim_start)
+        .find(|line| !line.is_empty() && !line.starts_with("//"))
+        .is_some_and(|line| line.starts_with('['))
 }
 
 /// What is wrong in a path's text.
@@ -190,6 +206,7 @@ impl HeadPath {
         let refused = |reason: String| HeadPathError {
             file: file.clone(),
             reason,
+            is_list: false,
         };
         let (name, text) = BUILT_IN;
         let is_built_in = path == Path::new(name) || path == Path::new(name).with_extension("ron");
@@ -205,7 +222,10 @@ impl HeadPath {
             })
         })?;
         let text = String::from_utf8(bytes).map_err(|_| refused("it is not UTF-8 text".into()))?;
-        Self::parse(&text).map_err(refused)
+        Self::parse(&text).map_err(|reason| HeadPathError {
+            is_list: begins_list(&text),
+            ..refused(reason)
+        })
     }
 
     /// Reads a path from RON text: a list of keys.

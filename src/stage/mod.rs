@@ -321,19 +321,42 @@ fn sync_models_with_panels(
     }
 }
 
-/// An eye that is shown alone still looks about; no pass of the view runs for it.
+/// An eye that is shown alone still looks about; no pass of the view runs for it. Where its head goes it finds what is
+/// there.
 fn offer_unseen_places(
     panels: Panels,
     readiness: Res<Readiness>,
     mut clock: ResMut<SimulationClock>,
+    mut found: ResMut<scene_light::FoundLight>,
+    heads: Query<(&Head, &Transform)>,
     mut people: Query<(&GazeController, &mut Candidates), With<Patient>>,
+    mut offered_at: Local<Option<Transform>>,
 ) {
-    if panels.view().visible || clock.ready || readiness.quiet_frames() < 3 {
+    let stage = &panels.stage;
+    let Ok((head, place)) = heads.get(stage.view) else {
+        return;
+    };
+    if panels.view().visible {
+        *offered_at = None;
         return;
     }
-    let stage = &panels.stage;
+    let is_away = *head != Head::default();
+    let has_moved = scene_light::has_moved(
+        offered_at.as_ref(),
+        place,
+        scene_light::ADAPTED_M,
+        scene_light::TURNED_RAD,
+    );
+    let is_wanted = (!clock.ready && readiness.quiet_frames() >= 3)
+        || (clock.ready && has_moved && (is_away || offered_at.is_some()));
+    if !is_wanted {
+        return;
+    }
     if let Ok((controller, mut candidates)) = people.get_mut(stage.patient) {
-        let (list, ahead_distance_m) = unseen_places(&stage.scene, controller.seed());
+        *offered_at = Some(*place);
+        let tree = is_away.then(|| found.tree_of(&stage.scene)).flatten();
+        let from = tree.map(|tree| (place, tree));
+        let (list, ahead_distance_m) = unseen_places(&stage.scene, from, controller.seed());
         *candidates = Candidates {
             list,
             ahead_distance_m,

@@ -39,9 +39,9 @@ const KEPT_LAMPS: usize = 2;
 const SUN_RAD: f32 = 0.004_65;
 /// Head movements that make the surroundings others: m, and rad.
 const MOVED_M: f32 = 0.25;
-const TURNED_RAD: f32 = 0.2;
+pub(super) const TURNED_RAD: f32 = 0.2;
 /// One that makes the pupil's light another, m.
-const ADAPTED_M: f32 = 0.05;
+pub(super) const ADAPTED_M: f32 = 0.05;
 
 /// Luminance of linear sRGB.
 fn luminance(rgb: DVec3) -> f64 {
@@ -276,6 +276,12 @@ impl FoundLight {
         }
     }
 
+    /// The tree of the stage's scene, if that is a model.
+    pub(super) fn tree_of(&mut self, scene: &Arc<LoadedScene>) -> Option<Arc<Tree>> {
+        self.be_of(scene);
+        self.tree(scene)
+    }
+
     fn tree(&mut self, scene: &LoadedScene) -> Option<Arc<Tree>> {
         let LoadedScene::Model(model) = scene else {
             return None;
@@ -285,7 +291,7 @@ impl FoundLight {
     }
 }
 
-fn has_moved(from: Option<&Transform>, to: &Transform, by_m: f32, by_rad: f32) -> bool {
+pub(super) fn has_moved(from: Option<&Transform>, to: &Transform, by_m: f32, by_rad: f32) -> bool {
     from.is_none_or(|from| {
         from.translation.distance(to.translation) > by_m
             || from.rotation.angle_between(to.rotation) > by_rad

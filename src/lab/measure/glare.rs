@@ -27,6 +27,8 @@ pub const NOTES: &[&str] = &[
      meter finds it, which compares with the light that the media leave where it is.",
     "The CIE 146 equations are stated from 0.1 degrees (general) and 1 to 30 degrees (age-adjusted, \
      Stiles-Holladay).",
+    "spread_per_sr, normalised_spread_per_sr, straylight_log and integrals are of the clear eye of that age and \
+     pigment, of the patient too; the patient's own pupil changes nothing here.",
     "integrals: energy of the hemisphere is relative to the light that enters; shares are of the \
      hemisphere's light, and do not depend on normalisation.",
 ];

@@ -72,7 +72,8 @@ pub(super) fn of_fault(fault: Fault, file: &str) -> PatientError {
         {
             Some(allowed) => kind(found, allowed),
             None => syntax(
-                "this is not a patient file: it must be RON, as in (name: \"Ann\", age_years: 40)"
+                "this is not a patient file: it must be a RON structure, as in (name: \"Ann\", age_years: 40); a list \
+                 is a head path, for --head-path"
                     .into(),
             ),
         },
