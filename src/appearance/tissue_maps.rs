@@ -184,13 +184,13 @@ fn map_pigment(iris: &Iris) -> IrisPigment {
     }
 }
 
+/// Melanin in the border layer from which it covers the stroma as far as it does in any iris (a choice, a little above hazel).
+const COVERS_ALL: f64 = 0.30;
+
 /// The border layer covers the stroma of a dark iris and leaves that of a light one bare.
 fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
-    let (light, dark) = (
-        IrisPigment::BLUE.border_layer_melanin_fraction,
-        IrisPigment::BROWN.border_layer_melanin_fraction,
-    );
-    let share = (iris.pigment().border_layer_melanin_fraction - light) / (dark - light);
+    let light = IrisPigment::BLUE.border_layer_melanin_fraction;
+    let share = (iris.pigment().border_layer_melanin_fraction - light) / (COVERS_ALL - light);
     let share = share.clamp(0.0, 1.0) as f32;
     // A little pigment gathers about the collarette first: hazel and green eyes.
     let ring = 4.0 * share * (1.0 - share);

@@ -95,11 +95,13 @@ impl IrisPigment {
         eumelanin_ratio: 0.3,
         stroma_blood_fraction: STROMA_BLOOD,
     };
-    /// Dense melanin in both layers, enough of it pheomelanin to be warm.
+    /// Dense melanin, most of it in the border layer, where it is thick in one place and thin in the next: with as much of it in the stroma
+    /// as would make it as dark, a brown iris varies half as much in lightness as photographs of them do. Enough of it is pheomelanin to be
+    /// warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.05,
-        border_layer_melanin_fraction: 0.30,
-        eumelanin_ratio: 0.05,
+        stroma_melanin_fraction: 0.02,
+        border_layer_melanin_fraction: 0.45,
+        eumelanin_ratio: 0.4,
         stroma_blood_fraction: BROWN_BLOOD,
     };
 
@@ -356,16 +358,17 @@ pub struct IrisTissue {
 /// Thickness (mm) of the stroma for which three wavelengths are matched to all: that of a mean iris.
 const MATCHED_MM: f64 = 0.45;
 
-/// The coefficients at three wavelengths with as much absorption by blood as gives a bare stroma of [`MATCHED_MM`] the colour that
-/// it has by all of them: three numbers for three channels. Those of [`TissueCoefficients::few`] are up to a ΔE2000 of 12 off, as
+/// The coefficients at three wavelengths with as much absorption by blood as gives a stroma of [`MATCHED_MM`] under a border
+/// layer without pigment the colour that it has by all of them: three numbers for three channels. Those of [`TissueCoefficients::few`] are up to a ΔE2000 of 12 off, as
 /// blood's bands are narrower than what lies between three nodes.
 pub(crate) fn matched(pigment: &IrisPigment, few: &Wavelengths<3>) -> [TissueCoefficients; 3] {
     let tissue = TissueCoefficients::few(few);
     if pigment.stroma_blood_fraction <= 0.0 {
         return tissue;
     }
-    let spectrum =
-        spectrum_from(|nm| stroma(pigment, MATCHED_MM, &TissueCoefficients::at(nm)).reflectance);
+    // Under a border layer without pigment, as it is seen.
+    let of = |tissue: &TissueCoefficients| reflectance_of(pigment, MATCHED_MM, 0.0, tissue);
+    let spectrum = spectrum_from(|nm| of(&TissueCoefficients::at(nm)));
     let color = DVec3::from(spectrum_to_linear_srgb(&spectrum));
     let row = |channel: usize| DVec3::from(few.weights[channel]);
     let weights = DMat3::from_cols(row(0), row(1), row(2)).transpose();
@@ -379,7 +382,7 @@ pub(crate) fn matched(pigment: &IrisPigment, few: &Wavelengths<3>) -> [TissueCoe
         let (mut low, mut high) = (0.0, MOST_BLOOD_PER_MM);
         for _ in 0..50 {
             let middle = 0.5 * (low + high);
-            if stroma(pigment, MATCHED_MM, &with(middle)).reflectance > wanted[i] {
+            if of(&with(middle)) > wanted[i] {
                 low = middle;
             } else {
                 high = middle;

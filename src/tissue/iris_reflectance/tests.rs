@@ -229,8 +229,8 @@ fn blood_is_kept_by_few_wavelengths() {
                 let off = off_from_all(&pigment, path, density, of(&tissue));
                 worst[1] = worst[1].max(off);
                 if path == THICKNESS && density == 0.0 {
-                    // Matched there but for the bare border layer before it, and else it is not.
-                    assert!(off < 0.05, "{pigment:?}: {off:e}");
+                    // Matched there, and else it is not.
+                    assert!(off < 1e-3, "{pigment:?}: {off:e}");
                     let unmatched = off_from_all(&pigment, path, density, of(&few));
                     assert!(unmatched > 0.5, "{pigment:?}: {unmatched}");
                 }
@@ -254,7 +254,7 @@ fn many_fluxes_are_brighter_than_two_by_what_two_miss() {
     };
     for (pigment, two_miss) in [
         (IrisPigment::BLUE, 0.035),
-        (IrisPigment::BROWN, 0.064),
+        (IrisPigment::BROWN, 0.112),
         (without_blood(IrisPigment::BLUE), 0.062),
         (without_blood(dense), 0.083),
     ] {
