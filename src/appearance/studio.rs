@@ -212,14 +212,14 @@ impl Studio {
         let room = |down: DVec3, up: DVec3| Box::new(dome(down, up)) as Box<dyn Fn(DVec3) -> DVec3>;
         let (around, shining) = match self.light {
             StudioLight::Window => (
-                room(rgb(0.10, 0.09, 0.083), rgb(0.16, 0.163, 0.173)),
+                room(rgb(0.12, 0.108, 0.1), rgb(0.19, 0.194, 0.206)),
                 vec![
                     // The window stands up and to the viewer's left, the lamp low on the right.
                     Shining {
                         direction: rgb(0.50, 0.52, -0.78).normalize(),
                         half: DVec2::new(0.108, 0.15),
                         shape: Shape::Panes,
-                        color: rgb(0.86, 0.88, 0.90),
+                        color: rgb(0.83, 0.85, 0.87),
                     },
                     Shining::disc(rgb(-0.72, -0.05, -0.62), 0.07, rgb(0.10, 0.088, 0.08)),
                 ],

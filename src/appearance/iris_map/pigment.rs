@@ -27,8 +27,8 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
             let mottle = fbm(u * 90.0, v * 16.0, [90, 0], 3, seed ^ 1);
             // Where the layer covers all it is dense everywhere, down to the floors of the crypts.
             let closed = smoothstep(0.15, 0.6, cover);
-            let cells = lerp(0.38, 0.72, closed)
-                + lerp(1.0, 2.3, closed) * (0.6 * blotch + 0.45 * mottle + 0.6 * tag);
+            let cells = lerp(0.38, 0.70, closed)
+                + lerp(1.0, 2.05, closed) * (0.6 * blotch + 0.45 * mottle + 0.6 * tag);
             // The border layer lies on the crests and is missing over openings.
             let laid = lerp(lerp(0.5, 0.85, closed), 1.1, smoothstep(0.15, 0.75, relief));
             let bare = 1.0 - lerp(0.6, 0.1, closed) * layout.crypt[index];

@@ -249,14 +249,16 @@ fn many_fluxes_are_brighter_than_two_by_what_two_miss() {
     use crate::tissue::iris_layers::reduced_layers;
     use crate::tissue::many_flux::stack_many_flux;
     let dense = IrisPigment {
+        stroma_melanin_fraction: 0.05,
         border_layer_melanin_fraction: 0.42,
-        ..IrisPigment::BROWN
+        eumelanin_ratio: 0.05,
+        stroma_blood_fraction: 0.0,
     };
     for (pigment, two_miss) in [
         (IrisPigment::BLUE, 0.035),
-        (IrisPigment::BROWN, 0.112),
+        (IrisPigment::BROWN, 0.115),
         (without_blood(IrisPigment::BLUE), 0.062),
-        (without_blood(dense), 0.083),
+        (dense, 0.083),
     ] {
         let many = iris_reflectance_many_flux(&pigment, THICKNESS, 0.5);
         // Green channel: measured with 16 nodes those without blood, with four the others.
