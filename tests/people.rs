@@ -315,6 +315,18 @@ fn pictures_later(headless: &mut Headless, is_whole: bool) -> [RgbaImage; 2] {
     [Which::Eye, Which::View].map(|which| headless.panel(which).expect("a picture"))
 }
 
+/// Somebody without blinks on two small panels, who has looked for a while at one place (degrees to the right and up, m).
+fn looking(somebody: PatientFile, [right_deg, up_deg, distance_m]: [f64; 3]) -> Headless {
+    let size = UVec2::splat(112);
+    let mut headless = open(session(somebody, 3), size, size, [true; 2]);
+    settle(&mut headless);
+    without_blinks(&mut headless);
+    look(&mut headless, right_deg, up_deg, distance_m);
+    headless.go_to(0.5);
+    headless.go_to(4.0);
+    headless
+}
+
 /// The right eye of whoever is on the stage.
 fn right_eye(headless: &mut Headless) -> Entity {
     let world = headless.world();
@@ -565,13 +577,7 @@ const CHANGES: &[Change] = &[
 #[test]
 fn both_panels_follow_every_component() {
     let _turn = turn();
-    let size = UVec2::splat(112);
-    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
-    settle(&mut headless);
-    without_blinks(&mut headless);
-    look(&mut headless, 0.0, 0.0, 0.15);
-    headless.go_to(0.5);
-    headless.go_to(4.0);
+    let mut headless = looking(patient("healthy-brown"), [0.0, 0.0, 0.15]);
     let patient = headless.stage().patient;
     let mut before = pictures_later(&mut headless, true);
     for (name, change, shows) in CHANGES {
@@ -721,13 +727,7 @@ const PARTS: &[Removal] = &[
 #[test]
 fn every_part_may_go_and_come_back() {
     let _turn = turn();
-    let size = UVec2::splat(112);
-    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
-    settle(&mut headless);
-    without_blinks(&mut headless);
-    look(&mut headless, 0.0, 0.0, 0.15);
-    headless.go_to(0.5);
-    headless.go_to(4.0);
+    let mut headless = looking(patient("healthy-brown"), [0.0, 0.0, 0.15]);
     take_and_put_back(&mut headless, PARTS, false, |gone, _| gone > 10.0);
 }
 
@@ -748,13 +748,7 @@ const CHOICES: &[Removal] = &[
 #[test]
 fn what_is_chosen_goes_with_its_component() {
     let _turn = turn();
-    let size = UVec2::splat(112);
-    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
-    settle(&mut headless);
-    without_blinks(&mut headless);
-    look(&mut headless, 15.0, 5.0, 0.3);
-    headless.go_to(0.5);
-    headless.go_to(4.0);
+    let mut headless = looking(patient("healthy-brown"), [15.0, 5.0, 0.3]);
     headless.set_orbit(EyeOrbit {
         distance_mm: 45.0,
         ..default()
@@ -769,13 +763,7 @@ fn what_is_chosen_goes_with_its_component() {
 #[test]
 fn every_component_may_go_and_come_back() {
     let _turn = turn();
-    let size = UVec2::splat(112);
-    let mut headless = open(session(patient("healthy-brown"), 3), size, size, [true; 2]);
-    settle(&mut headless);
-    without_blinks(&mut headless);
-    look(&mut headless, 0.0, 0.0, 0.15);
-    headless.go_to(0.5);
-    headless.go_to(4.0);
+    let mut headless = looking(patient("healthy-brown"), [0.0, 0.0, 0.15]);
     // An eye that is not whole is not drawn, or not drawn anew, and sees nothing.
     take_and_put_back(&mut headless, REMOVALS, false, |gone, _| gone > 30.0);
 }
@@ -797,7 +785,6 @@ const UNUSUAL: &[Removal] = &[
 #[test]
 fn what_is_unusual_goes_with_its_component() {
     let _turn = turn();
-    let size = UVec2::splat(112);
     let somebody = PatientFile {
         cataract: Some(Cataract {
             nuclear: 5.0,
@@ -810,12 +797,7 @@ fn what_is_unusual_goes_with_its_component() {
         pupil: PupilSetting::Fixed(7.0),
         ..patient("healthy-brown")
     };
-    let mut headless = open(session(somebody, 3), size, size, [true; 2]);
-    settle(&mut headless);
-    without_blinks(&mut headless);
-    look(&mut headless, 0.0, 0.0, 0.3);
-    headless.go_to(0.5);
-    headless.go_to(4.0);
+    let mut headless = looking(somebody, [0.0, 0.0, 0.3]);
     headless.set_orbit(EyeOrbit {
         distance_mm: 45.0,
         ..default()

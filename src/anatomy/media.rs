@@ -20,11 +20,21 @@ pub const MEASURED_PUPIL_MM: f64 = 3.5;
 /// Diameter of the beam from far away at the posterior capsule, in that of the entrance pupil, and so of
 /// anything at the capsule in that of what is seen of it from far away: the paraxial eye of the tests.
 pub const CAPSULE_BEAM: f64 = 0.75;
-/// The same at the hole in the iris, in the middle of the nucleus and in the anterior cortex, which lie at these
-/// parts of the way from the iris to the capsule.
+/// Clouded cortex behind the plane of the iris, mm.
+pub const CORTEX_DEPTH_MM: f64 = 0.6;
+/// The middle of the nucleus behind it, mm.
+pub const NUCLEUS_DEPTH_MM: f64 = 1.8;
+/// The posterior capsule behind it, mm.
+pub const CAPSULE_DEPTH_MM: f64 = 3.8;
+/// Diameter of that beam at the hole in the iris, and between it and the capsule, where it narrows evenly.
 const STOP_BEAM: f64 = 0.886;
-const NUCLEUS_BEAM: f64 = STOP_BEAM + 0.47 * (CAPSULE_BEAM - STOP_BEAM);
-const CORTEX_BEAM: f64 = STOP_BEAM + 0.16 * (CAPSULE_BEAM - STOP_BEAM);
+const NUCLEUS_BEAM: f64 = beam_at(NUCLEUS_DEPTH_MM);
+const CORTEX_BEAM: f64 = beam_at(CORTEX_DEPTH_MM);
+
+const fn beam_at(depth_mm: f64) -> f64 {
+    STOP_BEAM + depth_mm / CAPSULE_DEPTH_MM * (CAPSULE_BEAM - STOP_BEAM)
+}
+
 /// Radius of the nucleus of an old lens, mm.
 pub const NUCLEUS_RADIUS_MM: f64 = 2.75;
 /// How much more strongly clouded cortex scatters at the rim of the lens's disc than in its middle, beyond once,

@@ -20,7 +20,10 @@ pub use components::{
     Patient, Pupil, PupilControl, Refraction, Sclera, Skin, USUAL_PUPIL_MM,
 };
 pub use look::Look;
-pub use media::{CAPSULE_BEAM, LENS_DISC_MM, MEASURED_PUPIL_MM, NUCLEUS_RADIUS_MM, OcularMedia};
+pub use media::{
+    CAPSULE_BEAM, CAPSULE_DEPTH_MM, CORTEX_DEPTH_MM, LENS_DISC_MM, MEASURED_PUPIL_MM,
+    NUCLEUS_DEPTH_MM, NUCLEUS_RADIUS_MM, OcularMedia,
+};
 pub use visual_field::VisualField;
 
 use bevy::ecs::system::SystemParam;

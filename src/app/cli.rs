@@ -84,12 +84,14 @@ fn execute(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error>> {
         }
         Some(Command::Check { file }) => {
             let name = file.display().to_string();
-            let lines = match (load_patient(&file), HeadPath::load(&file)) {
-                (Ok(patient), _) => check::checked(&patient, &name),
-                (Err(_), Ok(path)) => vec![check::checked_path(&path, &name)],
-                // What is a list is no patient.
-                (Err(_), Err(error)) if error.is_list() => return Err(error.into()),
-                (Err(error), Err(_)) => return Err(error.into()),
+            let lines = match load_patient(&file) {
+                Ok(patient) => check::checked(&patient, &name),
+                Err(no_patient) => match HeadPath::load(&file) {
+                    Ok(path) => vec![check::checked_path(&path, &name)],
+                    // What is a list is no patient.
+                    Err(error) if error.is_list() => return Err(error.into()),
+                    Err(_) => return Err(no_patient.into()),
+                },
             };
             let mut out = std::io::stdout().lock();
             for line in lines {

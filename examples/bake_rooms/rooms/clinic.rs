@@ -3,7 +3,8 @@
 //! Enters: nothing. Leaves: a plain glTF 2.0 file, as any program writes it and Bevy's own loader reads it
 //! (which knows nothing of the quantised vertices of the built-in scenes).
 
-use super::glb::container;
+use super::glb::{FLOAT, UNSIGNED_SHORT, container, short};
+use bevy::color::{Color, ColorToComponents};
 use glam::{Mat3, Quat, Vec3, Vec3Swizzles};
 use serde_json::{Value, json};
 use std::error::Error;
@@ -30,12 +31,12 @@ fn cube() -> (Vec<Vec3>, Vec<Vec3>, Vec<u16>) {
     (places, normals, corners)
 }
 
-/// A box of one colour: where its middle is, its size, how it is turned about the vertical, its colour in sRGB.
+/// A box of one colour: where its middle is, its size, how it is turned about the vertical, its colour.
 struct Block {
     place: Vec3,
     size: Vec3,
     turn: f32,
-    color: Vec3,
+    color: Color,
 }
 
 fn blocks() -> Vec<Block> {
@@ -50,11 +51,11 @@ fn blocks() -> Vec<Block> {
             place: Vec3::new(0.0, -0.05, 0.0),
             size: Vec3::new(8.0, 0.1, 8.0),
             turn: 0.0,
-            color: Vec3::new(0.45, 0.33, 0.22),
+            color: Color::srgb(0.45, 0.33, 0.22),
         },
-        wall(Vec3::new(0.0, 1.5, -4.0), 0.0, Vec3::new(0.55, 0.65, 0.6)),
+        wall(Vec3::new(0.0, 1.5, -4.0), 0.0, Color::srgb(0.55, 0.65, 0.6)),
     ];
-    let cream = Vec3::new(0.7, 0.68, 0.6);
+    let cream = Color::srgb(0.7, 0.68, 0.6);
     blocks.extend([-3.0, 3.0].map(|x| wall(Vec3::new(x, 1.5, 0.0), FRAC_PI_2, cream)));
     blocks.extend((0..40_u8).map(|index| {
         let (column, row) = (f32::from(index % 8), f32::from(index / 8));
@@ -62,34 +63,10 @@ fn blocks() -> Vec<Block> {
             place: Vec3::new(0.35 * (column - 3.5), 0.3 + 0.35 * row, -3.5 + 0.9 * row),
             size: Vec3::new(0.12, 0.3, 0.12) * (1.0 - 0.12 * row),
             turn: 0.0,
-            color: hue(f32::from(index) * 47.0 % 360.0),
+            color: Color::hsl(f32::from(index) * 47.0 % 360.0, 0.6, 0.45),
         }
     }));
     blocks
-}
-
-/// A colour of this hue, degrees, of saturation 0.6 and lightness 0.45.
-fn hue(angle_deg: f32) -> Vec3 {
-    let (lightness, chroma) = (0.45, 0.6 * 0.9);
-    let channel = |shift: f32| {
-        let along = ((angle_deg / 60.0 + shift) % 6.0 - 3.0).abs() - 1.0;
-        lightness + chroma * (along.clamp(0.0, 1.0) - 0.5)
-    };
-    Vec3::new(channel(0.0), channel(4.0), channel(2.0))
-}
-
-/// sRGB to linear light.
-fn linear(code: f32) -> f32 {
-    if code <= 0.040_45 {
-        code / 12.92
-    } else {
-        ((code + 0.055) / 1.055).powf(2.4)
-    }
-}
-
-/// Six digits are plenty.
-fn short(value: f32) -> Value {
-    json!((f64::from(value) * 1e6).round() / 1e6)
 }
 
 /// The file's bytes.
@@ -108,9 +85,8 @@ pub fn write() -> Result<Vec<u8>, Box<dyn Error>> {
     let half = 12 * places.len();
     let blocks = blocks();
     let material = |block: &Block| {
-        let [red, green, blue] = block.color.to_array().map(|code| short(linear(code)));
         json!({ "pbrMetallicRoughness": {
-            "baseColorFactor": [red, green, blue, 1.0],
+            "baseColorFactor": block.color.to_linear().to_f32_array().map(short),
             "metallicFactor": 0.0,
             "roughnessFactor": 0.5,
         } })
@@ -143,7 +119,7 @@ pub fn write() -> Result<Vec<u8>, Box<dyn Error>> {
         })
     }));
     let accessor = |view: usize, kind: u32, count: usize, shape: &str| json!({ "bufferView": view, "componentType": kind, "count": count, "type": shape });
-    let mut positions = accessor(0, 5126, places.len(), "VEC3");
+    let mut positions = accessor(0, FLOAT, places.len(), "VEC3");
     positions["min"] = json!([-0.5, -0.5, -0.5]);
     positions["max"] = json!([0.5, 0.5, 0.5]);
     let root = json!({
@@ -163,8 +139,8 @@ pub fn write() -> Result<Vec<u8>, Box<dyn Error>> {
         "materials": blocks.iter().map(material).collect::<Vec<_>>(),
         "accessors": [
             positions,
-            accessor(1, 5126, normals.len(), "VEC3"),
-            accessor(2, 5123, corners.len(), "SCALAR"),
+            accessor(1, FLOAT, normals.len(), "VEC3"),
+            accessor(2, UNSIGNED_SHORT, corners.len(), "SCALAR"),
         ],
         "bufferViews": [
             { "buffer": 0, "byteOffset": 0, "byteLength": half, "target": 34962 },

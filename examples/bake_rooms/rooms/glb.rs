@@ -23,8 +23,8 @@ use std::error::Error;
 use std::f32::consts::PI;
 
 const SHORT: u32 = 5122;
-const UNSIGNED_SHORT: u32 = 5123;
-const FLOAT: u32 = 5126;
+pub const UNSIGNED_SHORT: u32 = 5123;
+pub const FLOAT: u32 = 5126;
 
 /// Parts of the binary chunk, each a buffer view.
 #[derive(Clone, Copy)]
@@ -267,7 +267,7 @@ pub fn grid_step(low: Vec3, high: Vec3) -> f32 {
 }
 
 /// A number with as few digits as tell it apart from its neighbours.
-fn short(value: f32) -> f64 {
+pub fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 

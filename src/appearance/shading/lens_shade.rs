@@ -1,14 +1,12 @@
 //! A clouded lens behind the pupil. Twin: `shaders/lib/lens_shade.wgsl`.
 
-use crate::anatomy::{LENS_DISC_MM, NUCLEUS_RADIUS_MM};
+use crate::anatomy::{
+    CAPSULE_DEPTH_MM, CORTEX_DEPTH_MM, LENS_DISC_MM, NUCLEUS_DEPTH_MM, NUCLEUS_RADIUS_MM,
+};
 use crate::optics::smoothstep::smoothstep;
 use glam::{DVec2, DVec3};
 
 const LENS_RADIUS_MM: f64 = 0.5 * LENS_DISC_MM;
-/// Behind the plane of the iris, mm: clouded cortex, the middle of the nucleus, the posterior capsule.
-const CORTEX_DEPTH_MM: f64 = 0.6;
-const NUCLEUS_DEPTH_MM: f64 = 1.8;
-const CAPSULE_DEPTH_MM: f64 = 3.8;
 /// Share of light that a cloud takes out of its way (a choice: ripe cortex and plaque look black against the
 /// fundus).
 const LENS_OPAQUE: f64 = 0.9;

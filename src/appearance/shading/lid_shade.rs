@@ -31,7 +31,8 @@ pub fn lids_at(lids: &LidMargins, p: DVec3) -> LidShade {
     lid_shade(&lids.spans[at.below], at.part, p)
 }
 
-/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins: the upper lid and its lashes overhang, so that
+/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins: the upper
+/// lid and its lashes overhang, so that
 /// a soft band lies below its margin; the lower lid only touches.
 pub fn lid_shade(span: &LidSpan, part: f64, p: DVec3) -> LidShade {
     let between = |here: f32, next: f32| mix(here.into(), next.into(), part);
