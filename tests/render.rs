@@ -12,7 +12,7 @@ use crate::stage::{
 use bevy::math::UVec2;
 use image::RgbaImage;
 use ocularium::anatomy::Laterality;
-use ocularium::appearance::EyeOrbit;
+use ocularium::appearance::{EyeOrbit, EyeQuality};
 use ocularium::lab::headless::{Headless, Which};
 use ocularium::lab::image_difference::{Difference, difference_picture};
 use ocularium::lab::render::{PanelChoice, RenderRequest, render};
@@ -42,6 +42,7 @@ fn request(out: &Path) -> RenderRequest {
         size: UVec2::new(128, 64),
         seconds: 0.8,
         fps: 10.0,
+        quality: EyeQuality::default(),
         orbit: EyeOrbit::default(),
         options: ViewOptions::default(),
         out: out.to_owned(),
@@ -95,6 +96,32 @@ fn the_same_seed_writes_the_same_trace() {
         .map(|k| format!("{:.9}", f64::from(k) / 10.0))
         .collect();
     assert_eq!(times, expected);
+}
+
+#[test]
+fn a_fast_picture_is_nearly_a_full_one() {
+    let _turn = turn();
+    let [fast, full] = [EyeQuality::PLAIN, EyeQuality::default()].map(|quality| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let request = RenderRequest {
+            panels: PanelChoice::Eye,
+            size: UVec2::splat(160),
+            seconds: 0.1,
+            quality,
+            ..request(folder.path())
+        };
+        let session = session(patient("healthy-brown"), 7);
+        let report = render(session, &request, &AtomicBool::new(false), |_, _| {})
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(report.quality, Some(quality.shading.name()));
+        let picture = image::open(folder.path().join("frame_00000.png"));
+        picture.expect("a PNG").to_rgb8()
+    });
+    let off = fast.iter().zip(full.iter());
+    let off: u64 = off.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    let mean = off as f64 / fast.len() as f64;
+    // One sample in place of four: lashes and edges, and no more.
+    assert!(mean > 0.1 && mean < 4.0, "{mean} code values apart");
 }
 
 /// Every number of a row.

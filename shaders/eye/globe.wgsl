@@ -115,11 +115,15 @@ struct Globe {
 
 #ifdef FIXED_STEPS
 // The plain way, to be measured against: this many steps everywhere, and nothing left out.
-const MARCH = vec2<f32>(64.0, 64.0);
+const MARCH = IRIS_MARCH_FIXED;
 const SKIPS: bool = false;
 #else
-const MARCH = RELIEF_STEPS;
 const SKIPS: bool = true;
+#ifdef FULL
+const MARCH = IRIS_MARCH_FULL;
+#else
+const MARCH = IRIS_MARCH_FAST;
+#endif
 #endif
 
 #ifdef CORNEA
@@ -230,7 +234,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     var surface: IrisSurface;
     surface.at = at;
     if edge > 0.0 || !SKIPS {
-        surface = iris_surface(iris_map, iris_sampler, iris, at, trace.direction, place, footprint, MARCH);
+        surface = iris_surface(iris_map, iris_sampler, iris, at, place, trace.direction, footprint, MARCH);
     }
     // The sky's light in the lids' shade where it comes from, before this place.
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
@@ -243,9 +247,14 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     var light = around;
     for (var i = 0; i < LAMPS; i++) {
         let lamp = iris_lamp_at(i, surface.at);
-        let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, surface.at, globe.iris_root_mm, globe.limbus_mm);
+        // The table is of the iris' plane, over which the relief stands.
+        let crosses = crosses_plane(surface.at, surface.texel.height, lamp.direction, globe.aqueous_index);
+        let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, crosses, globe.iris_root_mm, globe.limbus_mm);
         // In the lids' shade where it enters.
-        let enters = light_entry(vec3f(surface.at, globe.iris_depth_mm), arrives.xyz, vec2f(globe.anterior_radius_mm, globe.anterior_p));
+        let cornea = vec2f(globe.anterior_radius_mm, globe.anterior_p);
+        let plane = vec3f(crosses, globe.iris_depth_mm);
+        let enters = light_entry(plane, arrives.xyz, cornea);
+        let gathers = beam_gathers(enters, plane, lamp.direction, cornea, globe.aqueous_index, lamp.vergence);
         let lids = lids_at(head_from_eye() * (enters + apex));
         let color = lamp.color * lid_lamp(lids, head_from_eye() * lamp.direction, lamp.radius);
         var concentrated = 1.0;
@@ -253,7 +262,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
 #endif
         if edge > 0.0 || !SKIPS {
-            lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives);
+            lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives, gathers, MARCH);
         }
         light += color * max(-lamp.direction.z, 0.0);
     }

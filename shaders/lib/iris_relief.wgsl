@@ -35,28 +35,33 @@ fn furrow_depth(pupil_radius: f32) -> f32 {
 
 struct IrisTexel { height: f32, thickness: f32, melanin: f32 };
 
-// Place in the iris map: u the angle, v from the pupil's edge to the root, and how both change
-// with a step on the iris plane, so that small steps need no arc tangent.
-struct IrisPlace { uv: vec2f, du: vec2f, dv: vec2f };
-
 // Width (mm) of the iris from pupil to root.
 fn iris_width(iris: IrisFrame) -> f32 {
     return max(iris.root - iris.pupil, 0.5);
 }
 
+// Place in the iris map: u the angle, v from the pupil's edge to the root; and what small steps from it need: the unit direction away from the
+// pupil, one over the distance (mm) from there and over the iris' width, and by what the pupil's part in places falls with a step.
+struct IrisPlace { uv: vec2f, away: vec2f, bend: f32, dv: f32, fall: vec2f };
+
+// The place in the map of a point of the iris' plane.
 fn iris_place(p: vec2f, iris: IrisFrame) -> IrisPlace {
-    let q = p - iris.center * (1.0 - length(p) / iris.root);
+    let from_axis = length(p);
+    let q = p - iris.center * (1.0 - from_axis / iris.root);
     let r = max(length(q), 0.2);
-    let width = iris_width(iris);
-    return IrisPlace(
-        vec2f(atan2(q.y, q.x) * 0.15915494 + 0.5, (r - iris.pupil) / width),
-        vec2f(-q.y, q.x) * (0.15915494 / (r * r)),
-        q / (r * width),
-    );
+    let dv = 1.0 / iris_width(iris);
+    let uv = vec2f(atan2(q.y, q.x) * 0.15915494 + 0.5, (r - iris.pupil) * dv);
+    return IrisPlace(uv, q / r, 1.0 / r, dv, p / (max(from_axis, 0.2) * iris.root));
 }
 
-fn iris_step(place: IrisPlace, step: vec2f) -> vec2f {
-    return place.uv + vec2f(dot(place.du, step), dot(place.dv, step));
+// The place in the map a step (mm) away, to the third order of it: within a micrometre for a tenth of the distance from the pupil's middle.
+fn iris_step(iris: IrisFrame, place: IrisPlace, step: vec2f) -> vec2f {
+    let moved = step + iris.center * dot(place.fall, step);
+    let out = dot(place.away, moved);
+    let round = place.away.x * moved.y - place.away.y * moved.x;
+    let o = out * place.bend;
+    let t = round * place.bend;
+    return place.uv + vec2f(t * (1.0 - o + o * o - t * t * (1.0 / 3.0)) * 0.15915494, (out + 0.5 * round * t * (1.0 - o)) * place.dv);
 }
 
 fn iris_texel(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, uv: vec2f, lod: f32) -> IrisTexel {
@@ -76,25 +81,41 @@ fn iris_level(size: vec2f, footprint: f32, radius: f32, width: f32) -> f32 {
     return max(log2(max(texels.x, texels.y)) - 0.4, 0.0);
 }
 
-// Fewest and most steps of the march.
-const RELIEF_STEPS = vec2<f32>(3.0, 12.0);
+// How an iris is followed: the fewest and most steps of the view to its relief; how far behind it the view is followed, as a multiple
+// of how thick it is there, and in how many segments behind the border layer; by how many looks light's way to each of them is known, or
+// none to take it for straight to where it crosses the relief.
+struct IrisMarch { fewest: f32, most: f32, reach: f32, segments: i32, looks: i32 };
 
-// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first place where the ray is
-// below the surface, by steps of two texels of this level, of these fewest and most, and one secant.
-fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32, between: vec2f) -> vec2f {
+// By what a pixel shows, as far as a rasteriser on processors goes; the same as a picture that is to be kept has it;
+// and the plain way, which they are measured against.
+const IRIS_MARCH_FAST = IrisMarch(3.0, 16.0, 1.7, 4, 0);
+const IRIS_MARCH_FULL = IrisMarch(8.0, 48.0, 2.2, 12, 4);
+const IRIS_MARCH_FIXED = IrisMarch(64.0, 64.0, 2.2, 64, 4);
+
+// How far (mm, on the iris plane) the refracted ray that lands at this place of it has moved where it meets the relief: the first
+// place where the ray is below the surface, by steps of two texels and two secants.
+fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32, march: IrisMarch) -> vec2f {
     let slope = direction.xy / max(direction.z, 0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
     let top = 0.20 * iris.thicken * max(iris.relief, 1.0);
     let deepest = 2.0 * top;
     let texel = iris_texel_mm(f32(textureDimensions(map).y), lod, iris);
-    let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), between.x, between.y);
+    let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), march.fewest, march.most);
     var before = 0.0;
     var gap_before = -0.05;
     for (var i = 1.0; i <= steps; i += 1.0) {
         let depth = deepest * i / steps;
-        let gap = depth - top + iris_texel(map, polar, iris, iris_step(place, slope * (depth - top)), lod).height;
+        let gap = depth - top + iris_texel(map, polar, iris, iris_step(iris, place, slope * (depth - top)), lod).height;
         if gap >= 0.0 {
-            return slope * (mix(before, depth, gap_before / (gap_before - gap)) - top);
+            let first = mix(before, depth, gap_before / (gap_before - gap));
+            // Again between the nearer two.
+            let left = first - top + iris_texel(map, polar, iris, iris_step(iris, place, slope * (first - top)), lod).height;
+            let over = left >= 0.0;
+            let low = select(first, before, over);
+            let high = select(depth, first, over);
+            let low_gap = select(left, gap_before, over);
+            let high_gap = select(gap, left, over);
+            return slope * (mix(low, high, clamp(low_gap / min(low_gap - high_gap, -1e-6), 0.0, 1.0)) - top);
         }
         before = depth;
         gap_before = gap;
@@ -102,25 +123,46 @@ fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: Ir
     return slope * (deepest - top);
 }
 
-// The relief's normal, from three heights on a circle `e` mm across.
+// The relief's normal at a place, from four heights `e` mm apart.
 fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, e: f32, lod: f32) -> vec3f {
-    let r = 0.5 * e;
-    let upper = iris_texel(map, polar, iris, iris_step(place, vec2f(0.0, r)), lod).height;
-    let left = iris_texel(map, polar, iris, iris_step(place, vec2f(-0.8660254, -0.5) * r), lod).height;
-    let right = iris_texel(map, polar, iris, iris_step(place, vec2f(0.8660254, -0.5) * r), lod).height;
-    let slope = vec2f((right - left) / 1.7320508, (upper - 0.5 * (left + right)) / 1.5) / r;
-    return normalize(vec3f(-slope, -1.0));
+    let x = vec2f(0.5 * e, 0.0);
+    let rise = iris_texel(map, polar, iris, iris_step(iris, place, x), lod).height - iris_texel(map, polar, iris, iris_step(iris, place, -x), lod).height;
+    let up = iris_texel(map, polar, iris, iris_step(iris, place, x.yx), lod).height - iris_texel(map, polar, iris, iris_step(iris, place, -x.yx), lod).height;
+    return normalize(vec3f(-vec2f(rise, up) / e, -1.0));
 }
 
-// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface, `under`
-// below its mean plane and the step `aside` from a place of it: where the light crossed the surface, by a secant and a step of
-// Newton's.
-fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, aside: vec2f, under: f32, depth: f32, towards: vec3f, lod: f32) -> f32 {
+// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface and `under`
+// below its mean plane, the step `aside` from a place of it, and the melanin of the border layer where the light crossed it: by a
+// secant and a step of Newton's.
+fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, aside: vec2f, under: f32, depth: f32, towards: vec3f, lod: f32) -> vec2f {
     let up = max(-towards.z, 0.25);
-    let deep = max(depth, 0.02);
+    let deep = max(depth, 0.01);
     let first = deep / up;
-    let there = under - deep + iris_texel(map, polar, iris, iris_step(place, aside + towards.xy * first), lod).height;
+    let there = under - deep + iris_texel(map, polar, iris, iris_step(iris, place, aside + towards.xy * first), lod).height;
     let second = first * clamp(deep / max(deep - there, 0.25 * deep), 0.3, 4.0);
-    let left = under - up * second + iris_texel(map, polar, iris, iris_step(place, aside + towards.xy * second), lod).height;
-    return max(second + left / up, 0.3 * first);
+    let crossed = iris_texel(map, polar, iris, iris_step(iris, place, aside + towards.xy * second), lod);
+    let left = under - up * second + crossed.height;
+    return vec2f(max(second + left / up, 0.3 * first), crossed.melanin);
+}
+
+// The same from below this place of it, by this many looks along it, further apart the higher they are: tissue that it crosses behind the first place where it leaves
+// some is counted too.
+fn relief_way_by_looks(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, under: f32, towards: vec3f, lod: f32, looks: i32) -> vec2f {
+    let up = max(-towards.z, 0.25);
+    // Up to the highest ridges.
+    let all = max(under + 0.2 * iris.thicken * max(iris.relief, 1.0), 0.01) / up;
+    var way = 0.0;
+    var melanin = 0.0;
+    var begins = 0.0;
+    for (var i = 1; i <= looks; i++) {
+        let part = f32(i) / f32(looks);
+        let ends = all * part * sqrt(part);
+        let middle = 0.5 * (begins + ends);
+        let there = iris_texel(map, polar, iris, iris_step(iris, place, towards.xy * middle), lod);
+        let inside = clamp((under - up * middle + there.height) / (up * (ends - begins)) + 0.5, 0.0, 1.0);
+        way += inside * (ends - begins);
+        melanin = select(melanin, there.melanin, inside > 0.0);
+        begins = ends;
+    }
+    return vec2f(way, melanin);
 }

@@ -9,8 +9,6 @@
 const IRIS_PATH_MAX_MM: f32 = 2.5;
 // Thickness (mm) of the anterior border layer.
 const BORDER_LAYER_MM: f32 = 0.04;
-// Segments of a view through the stroma.
-const STROMA_SEGMENTS: i32 = 3;
 // How far (mm) light that is scattered more than once spreads sideways.
 const IRIS_SPREAD_MM: f32 = 0.25;
 
@@ -41,8 +39,7 @@ fn iris_path(thickness: f32, towards_z: f32, view_cosine: f32) -> f32 {
 }
 
 // Where a refracted ray meets the iris, what is there, and the same smoothed by as much as light spreads, with how
-// that is turned; then what the ray passes: its path (mm) through the border layer, how far (mm) along it the middle of each segment of the
-// stroma is and how deep below the surface, the depth (mm below the border layer) at which the segment begins, and its length in tissue.
+// that is turned; then how far (mm) the ray goes through the border layer, and from where it meets the iris to where it is left.
 struct IrisSurface {
     at: vec2f,
     place: IrisPlace,
@@ -52,20 +49,15 @@ struct IrisSurface {
     smooth_texel: IrisTexel,
     smooth_normal: vec3f,
     border: f32,
-    alongs: vec3f,
-    depths: vec3f,
-    begins: vec3f,
-    lengths: vec3f,
+    reach: f32,
 };
 
-// Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
-// in the map; `steps`: the fewest and most of its march.
-fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, direction: vec3f, start: IrisPlace, footprint: f32, steps: vec2f) -> IrisSurface {
+// Where a refracted ray that lands at `point` of the iris' plane, `start` in the map, meets it.
+fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, start: IrisPlace, direction: vec3f, footprint: f32, march: IrisMarch) -> IrisSurface {
     let size = vec2f(textureDimensions(map));
     let lod = iris_level(size, footprint, length(point), iris_width(iris));
-    // The next coarser level, by its number: between two, devices break ties differently.
-    let moved = relief_march(map, polar, iris, start, direction, ceil(lod), steps);
-    let place = IrisPlace(iris_step(start, moved), start.du, start.dv);
+    let at = point + relief_march(map, polar, iris, start, direction, lod, march);
+    let place = iris_place(at, iris);
     let texel = iris_texel(map, polar, iris, place.uv, lod);
     let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));
     let smooth_texel = iris_texel(map, polar, iris, place.uv, spread);
@@ -74,30 +66,11 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
     let down = max(direction.z, 0.35);
     // As if the relief were level, and as deep as it is there.
     let level = BORDER_LAYER_MM / down;
-    let reached = down * level + iris_texel(map, polar, iris, iris_step(place, direction.xy * level), lod).height - texel.height;
-    let first = level * clamp(BORDER_LAYER_MM / max(reached, 0.01), 0.5, 2.5);
-    // A little further than to the back of what is there, as what lies behind may be thicker.
-    let segment = max(1.3 * texel.thickness / down - first, 0.03) / f32(STROMA_SEGMENTS);
-    let deep = segment * down;
-    var alongs = vec3f(0.0);
-    var depths = vec3f(0.0);
-    var begins = vec3f(0.0);
-    var lengths = vec3f(0.0);
-    var open = 1.0;
-    for (var i = 0; i < STROMA_SEGMENTS; i++) {
-        let along = first + (f32(i) + 0.5) * segment;
-        let there = iris_texel(map, polar, iris, iris_step(place, direction.xy * along), lod);
-        let depth = down * along + there.height - texel.height;
-        let below = depth - BORDER_LAYER_MM;
-        let inside = min(clamp(below / deep + 0.5, 0.0, 1.0), clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0));
-        alongs[i] = along;
-        depths[i] = depth;
-        begins[i] = max(below - 0.5 * deep, 0.0);
-        lengths[i] = open * inside * segment;
-        // Behind it lies the black epithelium.
-        open *= clamp((there.thickness - depth) / deep + 0.5, 0.0, 1.0);
-    }
-    return IrisSurface(point + moved, place, texel, direction, lod, smooth_texel, smooth_normal, first, alongs, depths, begins, lengths);
+    let reached = down * level + iris_texel(map, polar, iris, iris_step(iris, place, direction.xy * level), lod).height - texel.height;
+    let border = level * clamp(BORDER_LAYER_MM / max(reached, 0.01), 0.5, 2.5);
+    // Further than to the back of what is there: the view may leave a ridge and meet the next.
+    let reach = border + max(march.reach * texel.thickness / down - border, 0.03);
+    return IrisSurface(at, place, texel, direction, lod, smooth_texel, smooth_normal, border, reach);
 }
 
 // Diffuse reflectance of tissue on the path of light that arrives with this z: of all light (`half` 0) or of what is scattered more
@@ -114,44 +87,80 @@ fn iris_covered(texel: IrisTexel) -> f32 {
     return smoothstep(0.03, 0.08, texel.thickness);
 }
 
-// How many mm of a lamp's light lie in the relief for each mm of depth of a segment's middle.
-fn iris_ways(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, surface: IrisSurface, towards: vec3f) -> vec3f {
-    var ways = vec3f(0.0);
-    for (var i = 0; i < STROMA_SEGMENTS; i++) {
-        let aside = surface.direction.xy * surface.alongs[i];
-        let under = max(surface.direction.z, 0.35) * surface.alongs[i] - surface.texel.height;
-        ways[i] = relief_way(map, polar, iris, surface.place, aside, under, surface.depths[i], towards, surface.lod) / max(surface.depths[i], 0.02);
-    }
-    return ways;
+// Optical depth of light at a depth (mm) of the tissue, by the border layer's extinction on its way and how many mm of its way lie in
+// tissue for each mm of depth.
+fn iris_light_depth(border: vec3f, stroma: vec3f, depth: f32, way: f32) -> vec3f {
+    return way * (border * min(depth, BORDER_LAYER_MM) + stroma * max(depth - BORDER_LAYER_MM, 0.0));
 }
 
-// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction `towards`,
-// by these ways (`iris_ways`).
-fn iris_scattered_once(tissue: IrisTissue, surface: IrisSurface, towards: vec3f, ways: vec3f) -> vec3f {
+// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction `towards`: the
+// border layer and segments behind it, each in closed form; the beam gathers by this share of itself a mm (`beam_gathers`).
+fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, towards: vec3f, gathers: f32, march: IrisMarch) -> vec3f {
     let cosine = dot(towards, surface.direction);
     let rayleigh = vec3f(phase_rayleigh(cosine));
     let bundles = vec3f(mix(phase_henyey_greenstein(cosine, BUNDLE_COSINE), PHASE_ISOTROPIC, BUNDLE_SIDEWAYS));
-    let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
-    let sum = layer_segment_scatter(border, tissue.border_scattering, surface.border, 0.0, BORDER_LAYER_MM * ways[0]);
-    var scattered = sum * mix(bundles, rayleigh, tissue.border_fibrils);
-    var passed = exp(-border * surface.border) * mix(bundles, rayleigh, tissue.stroma_fibrils);
-    for (var i = 0; i < STROMA_SEGMENTS; i++) {
-        let begins = surface.begins[i];
-        let length = surface.lengths[i];
-        let ends = begins + length * max(surface.direction.z, 0.35);
-        let covered = exp(-border * (BORDER_LAYER_MM * ways[i]));
-        scattered += passed * covered * layer_segment_scatter(tissue.stroma, tissue.stroma_scattering, length, begins * ways[i], ends * ways[i]);
-        passed *= exp(-tissue.stroma * length);
+    let from_border = tissue.border_scattering * mix(bundles, rayleigh, tissue.border_fibrils);
+    let from_stroma = tissue.stroma_scattering * mix(bundles, rayleigh, tissue.stroma_fibrils);
+    let down = max(surface.direction.z, 0.35);
+    let up = max(-towards.z, 0.25);
+    var scattered = vec3f(0.0);
+    var passed = vec3f(1.0);
+    var begins = 0.0;
+    var ends = surface.border;
+    for (var i = 0; i <= march.segments; i++) {
+        let along = 0.5 * (begins + ends);
+        let aside = surface.direction.xy * along;
+        // Where light is looked for further aside, it is so from there.
+        var place = surface.place;
+        if march.looks > 0 {
+            place = iris_place(surface.at + aside, iris);
+        } else {
+            place.uv = iris_step(iris, surface.place, aside);
+        }
+        let there = iris_texel(map, polar, iris, place.uv, surface.lod);
+        let under = down * along - surface.texel.height;
+        let depth = under + there.height;
+        // What of the segment lies in the border layer and what in the stroma, before the black epithelium.
+        let half = 0.5 * down * (ends - begins);
+        let back = max(there.thickness, BORDER_LAYER_MM);
+        let low = clamp(depth - half, 0.0, back);
+        let high = clamp(depth + half, 0.0, back);
+        let in_border = (min(high, BORDER_LAYER_MM) - min(low, BORDER_LAYER_MM)) / down;
+        let in_stroma = (max(high, BORDER_LAYER_MM) - max(low, BORDER_LAYER_MM)) / down;
+        let border = tissue.border + tissue.border_melanin * there.melanin;
+        let takes = border * in_border + tissue.stroma * in_stroma;
+        // Light's way to its middle.
+        var way = vec2f(0.0);
+        if i == 0 {
+            // So little of it lies in the border layer that it crosses the relief next to it.
+            way = vec2f(max(depth, 0.01) / up, there.melanin);
+        } else if march.looks > 0 {
+            way = relief_way_by_looks(map, polar, iris, place, under, towards, surface.lod, march.looks);
+        } else {
+            way = relief_way(map, polar, iris, surface.place, aside, under, depth, towards, surface.lod);
+        }
+        let dims = tissue.border + tissue.border_melanin * way.y;
+        let share = way.x / max(depth, 0.01);
+        let arrives = iris_light_depth(dims, tissue.stroma, low, share);
+        let leaves = iris_light_depth(dims, tissue.stroma, high, share);
+        let gathered = clamp(1.0 + gathers * under / up, 0.5, 2.0);
+        scattered += gathered * passed * (from_border * in_border + from_stroma * in_stroma) * layer_mean_transmittance(arrives, leaves + takes);
+        // Behind it lies the black epithelium.
+        passed *= exp(-takes) * clamp((there.thickness - depth) / (2.0 * half) + 0.5, 0.0, 1.0);
+        // Shorter ones first, where more is left of the light.
+        let part = f32(i + 1) / f32(march.segments);
+        begins = ends;
+        ends = mix(surface.border, surface.reach, part * sqrt(part));
     }
     return tissue.weights * scattered;
 }
 
-// What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`).
-fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, arrives: vec4f) -> vec3f {
+// What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`) and gathers
+// (`beam_gathers`).
+fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, arrives: vec4f, gathers: f32, march: IrisMarch) -> vec3f {
     // Across the beam, from the plane of the iris.
     let across = arrives.w / max(-arrives.z, 0.2);
-    let ways = iris_ways(map, polar, iris, surface, arrives.xyz);
-    let once = iris_scattered_once(tissue, surface, arrives.xyz, ways) * (3.14159265 * across);
+    let once = iris_scattered_once(map, polar, iris, tissue, surface, arrives.xyz, gathers, march) * (3.14159265 * across);
     let spread = across * max(dot(surface.smooth_normal, arrives.xyz), 0.0);
     let again = spread * iris_reflectance(reflectance_map, linear, surface, arrives.z, 1.0);
     return (max(once, vec3f(0.0)) + again) * iris_covered(surface.texel);

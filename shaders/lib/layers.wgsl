@@ -20,9 +20,3 @@ fn layer_mean_transmittance(start: vec3f, end: vec3f) -> vec3f {
     let far = exp(-min(a, b)) * (1.0 - exp(-x)) / max(x, vec3f(1.0));
     return select(far, near, x < vec3f(2.0));
 }
-
-// Scattered towards the eye along a segment of `length` inside one layer, seen from its start, where
-// the light's path to the points goes linearly from `light_start` to `light_end`.
-fn layer_segment_scatter(extinction: vec3f, scattering: vec3f, length: f32, light_start: f32, light_end: f32) -> vec3f {
-    return scattering * length * layer_mean_transmittance(extinction * light_start, extinction * (light_end + length));
-}

@@ -26,6 +26,30 @@ fn near_concentration(concentrated: f32, entry: vec3f, point: vec3f, light: vec3
     return narrowed * narrowed / ((narrowed + spread) * (narrowed + spread * slant * slant));
 }
 
+// Where light from the unit direction `light` before the cornea that reaches a place `height` mm above the iris' plane would cross
+// that, mm; about, as a level cornea would turn it.
+fn crosses_plane(at: vec2f, height: f32, light: vec3f, n: f32) -> vec2f {
+    let slant = light.xy / n;
+    return at - slant * (height * inverseSqrt(max(1.0 - dot(slant, slant), 0.1)));
+}
+
+// By which share of itself (1/mm) a beam that has entered at `entry` grows on its way on from `point`: the cornea focuses it (Coddington's
+// equations, the plane of incidence taken for the meridian's). `vergence` (1/mm) is that of a near lamp.
+fn beam_gathers(entry: vec3f, point: vec3f, light: vec3f, surface: vec2f, n: f32, vergence: f32) -> f32 {
+    let normal = conicoid_normal(entry, surface.x, surface.y);
+    let path = distance(entry, point);
+    let towards = (entry - point) / max(path, 1e-6);
+    let outside = clamp(dot(light, normal), 0.05, 1.0);
+    let inside = clamp(dot(towards, normal), 0.05, 1.0);
+    // Radii of curvature across the meridian and along it.
+    let across = sqrt(surface.x * surface.x + (1.0 - surface.y) * dot(entry.xy, entry.xy));
+    let along = across * across * across / (surface.x * surface.x);
+    let power = n * inside - outside;
+    let sagittal = (power / across - vergence) / n;
+    let tangential = (power / along - vergence * outside * outside) / (n * inside * inside);
+    return sagittal / max(1.0 - sagittal * path, 0.2) + tangential / max(1.0 - tangential * path, 0.2);
+}
+
 // A lamp (its direction in the eye frame) as it is where its light to `point` of the iris enters the cornea, with the light that
 // its own beam brings there instead of a distant one's. `apex` is the corneal one's place from the globe's centre; `n`, `surface`
 // are the cornea's, the rest is the table's.

@@ -188,6 +188,7 @@ fn render_command(arguments: &RenderArgs) -> Result<ExitCode, Box<dyn Error>> {
             elevation_deg: arguments.orbit[1],
             distance_mm: arguments.distance,
         },
+        quality: arguments.quality.quality(),
         options: ViewOptions {
             marker: arguments.marker,
             threshold: arguments.threshold,

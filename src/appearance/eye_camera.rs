@@ -1,6 +1,7 @@
 //! The camera that looks at the eye, and when it draws.
 
 use super::model::{EyeAssets, EyeParts, METRES_A_MM};
+use super::shading::iris_relief::{IRIS_MARCH_FAST, IRIS_MARCH_FIXED, IRIS_MARCH_FULL, IrisMarch};
 use crate::frame::Panel;
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
@@ -29,14 +30,37 @@ fn vertical_field(aspect: f32) -> f32 {
 /// What an eye camera looks at, in the head's frame from the globe's centre, mm: a little behind the cornea.
 const TARGET_MM: Vec3 = Vec3::new(0.0, 0.0, -10.5);
 
-/// How the iris of an eye is computed.
+/// How the iris of an eye is computed. How far each is from paths of light: `ocularium measure iris-picture`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 pub enum EyeShading {
-    /// By steps of the size of what a pixel shows, and only where it is seen.
+    /// Where it is seen, by steps of the size of what a pixel shows and four segments behind the border layer: for rasterisers
+    /// on processors.
+    Fast,
+    /// The same by more steps and twelve segments, light's way to each of which is looked along.
     #[default]
-    Adaptive,
-    /// The relief by 64 steps everywhere, in the pupil too: what the former is measured against.
+    Full,
+    /// By 64 steps and 64 segments everywhere, in the pupil too: what the others are measured against.
     FixedSteps,
+}
+
+impl EyeShading {
+    /// What it is called in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Full => "full",
+            Self::FixedSteps => "fixed-steps",
+        }
+    }
+
+    /// How the iris is followed.
+    pub fn march(self) -> IrisMarch {
+        match self {
+            Self::Fast => IRIS_MARCH_FAST,
+            Self::Full => IRIS_MARCH_FULL,
+            Self::FixedSteps => IRIS_MARCH_FIXED,
+        }
+    }
 }
 
 /// How finely an eye camera draws.
@@ -50,10 +74,10 @@ pub struct EyeQuality {
 }
 
 impl EyeQuality {
-    /// One sample a pixel: for software rasterisers.
+    /// One sample a pixel and the quickest iris: for rasterisers on processors.
     pub const PLAIN: Self = Self {
         msaa: Msaa::Off,
-        shading: EyeShading::Adaptive,
+        shading: EyeShading::Fast,
     };
 }
 
@@ -61,7 +85,7 @@ impl Default for EyeQuality {
     fn default() -> Self {
         Self {
             msaa: Msaa::Sample4,
-            ..Self::PLAIN
+            shading: EyeShading::Full,
         }
     }
 }

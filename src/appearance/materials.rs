@@ -493,8 +493,10 @@ eye_material!(
         if key.artistic {
             defines.push("ARTISTIC");
         }
-        if key.part.is_corneal() && key.shading == EyeShading::FixedSteps {
-            defines.push("FIXED_STEPS");
+        match key.shading {
+            EyeShading::Full if key.part.is_corneal() => defines.push("FULL"),
+            EyeShading::FixedSteps if key.part.is_corneal() => defines.push("FIXED_STEPS"),
+            _ => {}
         }
         defines
     },

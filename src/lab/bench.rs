@@ -114,7 +114,7 @@ struct Summary {
     /// What its picture costs, by lamps and distance.
     eye_frames: Vec<EyeFrames>,
     /// From the front and from 60° aside.
-    fixed_steps: [FixedSteps; 2],
+    fixed_steps: Vec<FixedSteps>,
     /// What people cost whom nobody draws.
     crowds: Vec<CrowdCost>,
     /// What views of one still scene cost.
@@ -416,16 +416,20 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
     for case in &eye_frames {
         eprintln!("eye, {:<14} {:7.2} ms a frame", case.name, case.ms_median);
     }
-    let [front, aside] =
-        [0.0, 60.0].map(|deg| eye_frames::fixed_steps(|| session(brown, 1.0), deg, count));
-    let fixed_steps = [front?, aside?];
-    for (from, steps) in ["the front", "60°"].iter().zip(&fixed_steps) {
+    let fixed_steps = [0.0, 30.0, 60.0]
+        .map(|deg| eye_frames::fixed_steps(|| session(brown, 1.0), deg, count))
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?;
+    for steps in &fixed_steps {
         eprintln!(
-            "iris from {from:<9} {:7.2} ms a frame, by 64 steps {:.2} ({:.2} times), RMS difference {:.2} %",
-            steps.adaptive_ms,
+            "iris from {:>2.0}° {:7.2} ms a frame fast, {:.2} full, {:.2} by 64 steps ({:.2} times full), RMS difference from the last {:.2} and {:.2} %",
+            steps.angle_deg,
+            steps.fast_ms,
+            steps.full_ms,
             steps.fixed_ms,
             steps.slower(),
-            100.0 * steps.rms_share
+            100.0 * steps.fast_rms_share,
+            100.0 * steps.full_rms_share
         );
     }
     let crowds = [1, 10, 100]

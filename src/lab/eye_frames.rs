@@ -13,7 +13,7 @@ use crate::motion::engine::GazeCommand;
 use crate::stage::{PanelLight, Session};
 use bevy::asset::Handle;
 use bevy::image::Image;
-use bevy::math::UVec2;
+use bevy::math::{DVec3, UVec2};
 use bevy::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
@@ -41,21 +41,27 @@ pub struct EyeFrames {
     pub ms_median: f64,
 }
 
-/// What a fixed count of steps everywhere costs and changes.
+/// What the ways of computing an iris cost, and how far they are from a fixed count of steps everywhere.
 #[derive(Clone, Debug, Serialize)]
 pub struct FixedSteps {
-    /// A frame by steps of the size of what a pixel shows, where it is seen.
-    pub adaptive_ms: f64,
-    /// The relief by 64 steps everywhere.
+    /// From how far aside it is seen, degrees.
+    pub angle_deg: f32,
+    /// A frame by [`EyeShading::Fast`].
+    pub fast_ms: f64,
+    /// By [`EyeShading::Full`].
+    pub full_ms: f64,
+    /// By [`EyeShading::FixedSteps`].
     pub fixed_ms: f64,
-    /// Root mean square difference of the radiances of iris and pupil, of their mean.
-    pub rms_share: f64,
+    /// Root mean square difference of the radiances of iris and pupil between the first and the last, of their mean.
+    pub fast_rms_share: f64,
+    /// Between the second and the last.
+    pub full_rms_share: f64,
 }
 
 impl FixedSteps {
-    /// How many times as long the fixed ones take.
+    /// How many times as long as the full one the fixed steps take.
     pub fn slower(&self) -> f64 {
-        self.fixed_ms / self.adaptive_ms
+        self.fixed_ms / self.full_ms
     }
 }
 
@@ -150,13 +156,8 @@ pub fn cases(
         .collect())
 }
 
-/// Root mean square difference of two pictures' radiances in the middle, of the first one's mean.
-fn difference(
-    adaptive: &(Headless, Handle<Image>),
-    fixed: &(Headless, Handle<Image>),
-) -> Result<f64, BenchError> {
-    let [a, b] = [adaptive, fixed].map(|(headless, image)| headless.radiances(image));
-    let (a, b) = (a?, b?);
+/// Root mean square difference of two pictures' radiances in the middle, of the second one's mean.
+fn difference(picture: &[DVec3], truth: &[DVec3]) -> f64 {
     let is_middle = |i: usize| {
         let place = [i % SIDE as usize, i / SIDE as usize];
         place
@@ -164,15 +165,16 @@ fn difference(
             .all(|&p| ((p as f64 + 0.5) / (0.5 * f64::from(SIDE)) - 1.0).abs() < IRIS_SHARE)
     };
     let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
-    for (_, (a, b)) in a.iter().zip(&b).enumerate().filter(|(i, _)| is_middle(*i)) {
+    let both = picture.iter().zip(truth).enumerate();
+    for (_, (a, b)) in both.filter(|(i, _)| is_middle(*i)) {
         square += (*a - *b).length_squared() / 3.0;
-        sum += a.element_sum() / 3.0;
+        sum += b.element_sum() / 3.0;
         count += 1.0;
     }
-    Ok((square / count).sqrt() / (sum / count))
+    (square / count).sqrt() / (sum / count)
 }
 
-/// Measures an iris that fills most of the picture, by adaptive and by fixed steps, seen from this far aside (°).
+/// Measures an iris that fills most of the picture, in each way, seen from this far aside (°).
 ///
 /// # Errors
 /// Where there is no device.
@@ -201,14 +203,22 @@ pub fn fixed_steps(
             }));
         Ok((headless, image))
     };
-    let (adaptive, image) = prepared(EyeShading::Adaptive)?;
-    let (fixed, fixed_image) = prepared(EyeShading::FixedSteps)?;
-    let mut running = [adaptive, fixed];
+    let (mut running, mut images) = (Vec::new(), Vec::new());
+    for shading in [EyeShading::Fast, EyeShading::Full, EyeShading::FixedSteps] {
+        let (headless, image) = prepared(shading)?;
+        running.push(headless);
+        images.push(image);
+    }
     let times = in_turns(&mut running, count);
-    let [adaptive, fixed] = running;
+    let drawn = running.iter_mut().zip(&images);
+    let drawn = drawn.map(|(headless, image)| headless.radiances(image));
+    let drawn = drawn.collect::<Result<Vec<_>, _>>()?;
     Ok(FixedSteps {
-        adaptive_ms: times[0],
-        fixed_ms: times[1],
-        rms_share: difference(&(adaptive, image), &(fixed, fixed_image))?,
+        angle_deg: azimuth_deg,
+        fast_ms: times[0],
+        full_ms: times[1],
+        fixed_ms: times[2],
+        fast_rms_share: difference(&drawn[0], &drawn[2]),
+        full_rms_share: difference(&drawn[1], &drawn[2]),
     })
 }

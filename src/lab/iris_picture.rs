@@ -1,6 +1,6 @@
 //! How far the drawn iris is from paths in f64, for `ocularium measure iris-picture`.
 //!
-//! In: a patient. Out: one JSON object with a row for each view, pupil and light: how far apart (pixels) and how different
+//! In: a patient. Out: one JSON object with a row for each view, pupil, light and way of computing it: how far apart (pixels) and how different
 //! (share of the mean radiance) the device's picture and [`paths`] of the same eye are, and how much of that is left when
 //! the shader's own closed forms are computed in f64.
 //!
@@ -14,7 +14,8 @@ mod seen;
 
 use super::headless::{Headless, HeadlessError};
 use crate::appearance::{
-    EyeOrbit, EyeQuality, GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial, StudioLight,
+    EyeOrbit, EyeQuality, EyeShading, GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial,
+    StudioLight,
 };
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
@@ -37,6 +38,8 @@ pub const ANGLES_DEG: [f32; 3] = [0.0, 30.0, 60.0];
 pub const PUPILS_MM: [f64; 3] = [2.0, 4.0, 8.0];
 /// A light that is far and one that is near.
 pub const LIGHTS: [StudioLight; 2] = [StudioLight::Window, StudioLight::Penlight];
+/// How the iris is computed.
+pub const SHADINGS: [EyeShading; 2] = [EyeShading::Fast, EyeShading::Full];
 /// Tiles along a side in which the two are laid over each other.
 const TILES: usize = 4;
 /// Fewest pixels of a tile that say where it is.
@@ -55,6 +58,8 @@ pub struct PictureRow {
     pub pupil_mm: f64,
     /// The light.
     pub light: &'static str,
+    /// How the picture was computed.
+    pub shading: &'static str,
     /// How it differs.
     #[serde(flatten)]
     pub difference: PictureDifference,
@@ -101,7 +106,6 @@ impl IrisStage {
             ..Session::new(patient.clone(), LoadedScene::Model(Box::new(scene)), 1)
         };
         let (mut headless, image) = Headless::with_radiance(session, UVec2::splat(SIDE))?;
-        headless.set_quality(EyeQuality::PLAIN);
         let world = headless.world();
         let mut parts = world.query_filtered::<Entity, NotGlobe>();
         let mut hidden: Vec<Entity> = parts.iter(world).collect();
@@ -135,33 +139,44 @@ impl IrisStage {
         self.headless.adapter()
     }
 
-    /// Draws it from this side: what is needed to do the same in f64, and the radiances of the device, row by row.
+    /// Goes to this side of it, a little later.
     ///
     /// # Errors
-    /// Where the device does not hand them over.
-    pub fn picture(&mut self, angle_deg: f32) -> Result<(IrisPicture, Vec<DVec3>), HeadlessError> {
+    /// Where the device cannot draw it.
+    pub fn look_from(&mut self, angle_deg: f32) -> Result<(), HeadlessError> {
         self.headless.set_orbit(EyeOrbit {
             azimuth_deg: angle_deg,
             elevation_deg: 0.0,
             distance_mm: DISTANCE_MM,
         });
-        // A new light or view may want a pipeline of its own.
         for _ in 0..3 {
             self.time_s += 0.5;
             self.headless.go_to(self.time_s);
+            self.headless.warm_up()?;
+        }
+        Ok(())
+    }
+
+    /// Draws it in this way: what is needed to do the same in f64, and the radiances of the device, row by row.
+    ///
+    /// # Errors
+    /// Where the device does not hand them over.
+    pub fn picture(
+        &mut self,
+        shading: EyeShading,
+    ) -> Result<(IrisPicture, Vec<DVec3>), HeadlessError> {
+        self.headless.set_quality(EyeQuality {
+            shading,
+            ..EyeQuality::PLAIN
+        });
+        // Another light or way may want a pipeline of its own.
+        for _ in 0..3 {
             self.headless.warm_up()?;
         }
         let radiances = self.headless.radiances(&self.image)?;
         let picture = IrisPicture::of(&mut self.headless, UVec2::splat(SIDE))?;
         Ok((picture, radiances))
     }
-}
-
-/// The radiances of pixels that show nothing but iris, by one way and another.
-struct Compared {
-    pixels: Vec<(usize, SeenIris)>,
-    ours: Vec<DVec3>,
-    paths: Vec<DVec3>,
 }
 
 fn luminance(c: DVec3) -> f64 {
@@ -209,65 +224,6 @@ fn step_between(at: &[usize], found: &[f64], truth: &[f64]) -> Option<DVec2> {
         .then(|| DVec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / determinant)
 }
 
-impl Compared {
-    fn new(picture: &IrisPicture, drawn: &[DVec3]) -> Self {
-        let pixels: Vec<(usize, SeenIris)> = (0..drawn.len())
-            .filter_map(|i| Some((i, picture.seen(i)?)))
-            .collect();
-        let workers = std::thread::available_parallelism().map_or(1, |count| count.get());
-        let share = pixels.len().div_ceil(workers).max(1);
-        let paths = std::thread::scope(|scope| {
-            let parts = pixels.chunks(share).map(|part| {
-                scope.spawn(move || {
-                    let of = |(_, seen): &(usize, SeenIris)| picture.by_paths(seen);
-                    part.iter().map(of).collect::<Vec<_>>()
-                })
-            });
-            let parts: Vec<_> = parts.collect();
-            // A thread that panics has a defect, which is passed on.
-            let join = |part: std::thread::ScopedJoinHandle<'_, Vec<DVec3>>| match part.join() {
-                Ok(radiances) => radiances,
-                Err(defect) => std::panic::resume_unwind(defect),
-            };
-            parts.into_iter().flat_map(join).collect()
-        });
-        Self {
-            ours: pixels.iter().map(|(i, _)| drawn[*i]).collect(),
-            pixels,
-            paths,
-        }
-    }
-
-    /// Largest distance (pixels) between a tile of ours and the same by paths.
-    fn place_px(&self) -> f64 {
-        let side = SIDE as usize;
-        let spread = |of: &[DVec3]| {
-            let mut values = vec![f64::NAN; side * side];
-            for ((i, _), c) in self.pixels.iter().zip(of) {
-                values[*i] = luminance(*c);
-            }
-            values
-        };
-        let (ours, paths) = (spread(&self.ours), spread(&self.paths));
-        let (mut low, mut high) = ((side, side), (0, 0));
-        for (i, _) in &self.pixels {
-            let (x, y) = (i % side, i / side);
-            low = (low.0.min(x), low.1.min(y));
-            high = (high.0.max(x + 1), high.1.max(y + 1));
-        }
-        let mut tiles = vec![Vec::new(); TILES * TILES];
-        for (i, _) in &self.pixels {
-            let tile = |at: usize, low: usize, high: usize| TILES * (at - low) / (high - low);
-            let (x, y) = (tile(i % side, low.0, high.0), tile(i / side, low.1, high.1));
-            tiles[y * TILES + x].push(*i);
-        }
-        let steps = tiles
-            .iter()
-            .filter_map(|at| step_between(at, &ours, &paths));
-        steps.map(DVec2::length).fold(0.0, f64::max)
-    }
-}
-
 /// How a picture differs from its paths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PictureDifference {
@@ -285,24 +241,93 @@ pub struct PictureDifference {
     pub paths_us_a_pixel: f64,
 }
 
-/// Compares what a device has drawn (linear, row by row) with the paths of the same picture.
-pub fn compare(picture: &IrisPicture, drawn: &[DVec3]) -> PictureDifference {
-    let started = Instant::now();
-    let compared = Compared::new(picture, drawn);
-    let workers = std::thread::available_parallelism().map_or(1, |count| count.get());
-    let took_us = started.elapsed().as_secs_f64() * 1e6 * workers as f64;
-    let seen = compared.pixels.iter();
-    let closed: Vec<DVec3> = seen
-        .map(|(_, seen)| picture.by_closed_forms(seen))
-        .collect();
-    let (rms, bias) = difference(&compared.ours, &compared.paths);
-    PictureDifference {
-        pixels: compared.pixels.len(),
-        place_px: compared.place_px(),
-        rms_percent: 100.0 * rms,
-        bias_percent: 100.0 * bias,
-        rounding_percent: 100.0 * difference(&compared.ours, &closed).0,
-        paths_us_a_pixel: took_us / compared.pixels.len().max(1) as f64,
+/// The paths of all pixels of a picture that show nothing but iris.
+pub struct IrisPaths<'a> {
+    picture: &'a IrisPicture,
+    pixels: Vec<(usize, SeenIris)>,
+    radiances: Vec<DVec3>,
+    us_a_pixel: f64,
+}
+
+impl<'a> IrisPaths<'a> {
+    /// Follows them, on all processors.
+    pub fn of(picture: &'a IrisPicture) -> Self {
+        let started = Instant::now();
+        let pixels: Vec<(usize, SeenIris)> = (0..(SIDE * SIDE) as usize)
+            .filter_map(|i| Some((i, picture.seen(i)?)))
+            .collect();
+        let workers = std::thread::available_parallelism().map_or(1, |count| count.get());
+        let share = pixels.len().div_ceil(workers).max(1);
+        let radiances = std::thread::scope(|scope| {
+            let parts = pixels.chunks(share).map(|part| {
+                scope.spawn(move || {
+                    let of = |(_, seen): &(usize, SeenIris)| picture.by_paths(seen);
+                    part.iter().map(of).collect::<Vec<_>>()
+                })
+            });
+            let parts: Vec<_> = parts.collect();
+            // A thread that panics has a defect, which is passed on.
+            let join = |part: std::thread::ScopedJoinHandle<'_, Vec<DVec3>>| match part.join() {
+                Ok(radiances) => radiances,
+                Err(defect) => std::panic::resume_unwind(defect),
+            };
+            parts.into_iter().flat_map(join).collect()
+        });
+        let took_us = started.elapsed().as_secs_f64() * 1e6 * workers as f64;
+        Self {
+            picture,
+            us_a_pixel: took_us / pixels.len().max(1) as f64,
+            pixels,
+            radiances,
+        }
+    }
+
+    /// Largest distance (pixels) between a tile of a picture and the same by paths.
+    fn place_px(&self, found: &[DVec3]) -> f64 {
+        let side = SIDE as usize;
+        let spread = |of: &[DVec3]| {
+            let mut values = vec![f64::NAN; side * side];
+            for ((i, _), c) in self.pixels.iter().zip(of) {
+                values[*i] = luminance(*c);
+            }
+            values
+        };
+        let (found, paths) = (spread(found), spread(&self.radiances));
+        let (mut low, mut high) = ((side, side), (0, 0));
+        for (i, _) in &self.pixels {
+            let (x, y) = (i % side, i / side);
+            low = (low.0.min(x), low.1.min(y));
+            high = (high.0.max(x + 1), high.1.max(y + 1));
+        }
+        let mut tiles = vec![Vec::new(); TILES * TILES];
+        for (i, _) in &self.pixels {
+            let tile = |at: usize, low: usize, high: usize| TILES * (at - low) / (high - low);
+            let (x, y) = (tile(i % side, low.0, high.0), tile(i / side, low.1, high.1));
+            tiles[y * TILES + x].push(*i);
+        }
+        let steps = tiles
+            .iter()
+            .filter_map(|at| step_between(at, &found, &paths));
+        steps.map(DVec2::length).fold(0.0, f64::max)
+    }
+
+    /// How what a device has drawn in this way (linear, row by row) differs from them.
+    pub fn beside(&self, drawn: &[DVec3], shading: EyeShading) -> PictureDifference {
+        let march = shading.march();
+        let pixels = self.pixels.iter();
+        let found: Vec<DVec3> = pixels.clone().map(|(i, _)| drawn[*i]).collect();
+        let closed: Vec<DVec3> = pixels
+            .map(|(_, seen)| self.picture.by_closed_forms(seen, &march))
+            .collect();
+        let (rms, bias) = difference(&found, &self.radiances);
+        PictureDifference {
+            pixels: self.pixels.len(),
+            place_px: self.place_px(&found),
+            rms_percent: 100.0 * rms,
+            bias_percent: 100.0 * bias,
+            rounding_percent: 100.0 * difference(&found, &closed).0,
+            paths_us_a_pixel: self.us_a_pixel,
+        }
     }
 }
 
@@ -328,7 +353,7 @@ pub fn iris_pictures(
     patient: &PatientFile,
     mut done: impl FnMut(&PictureRow, usize, usize),
 ) -> Result<IrisPictures, HeadlessError> {
-    let all = LIGHTS.len() * PUPILS_MM.len() * ANGLES_DEG.len();
+    let all = LIGHTS.len() * PUPILS_MM.len() * ANGLES_DEG.len() * SHADINGS.len();
     let (mut rows, mut device) = (Vec::new(), String::new());
     for light in LIGHTS {
         for pupil_mm in PUPILS_MM {
@@ -337,14 +362,27 @@ pub fn iris_pictures(
             let mut stage = IrisStage::new(&file, light)?;
             device = stage.device();
             for angle_deg in ANGLES_DEG {
-                let (picture, drawn) = stage.picture(angle_deg)?;
-                rows.push(PictureRow {
-                    angle_deg,
-                    pupil_mm,
-                    light: light.name(),
-                    difference: compare(&picture, &drawn),
-                });
-                done(&rows[rows.len() - 1], rows.len(), all);
+                stage.look_from(angle_deg)?;
+                // Time stands, so that they are of one eye.
+                let mut drawn = Vec::new();
+                let mut seen = None;
+                for shading in SHADINGS {
+                    let (picture, radiances) = stage.picture(shading)?;
+                    drawn.push((shading, radiances));
+                    seen = Some(picture);
+                }
+                let Some(picture) = seen else { continue };
+                let paths = IrisPaths::of(&picture);
+                for (shading, radiances) in drawn {
+                    rows.push(PictureRow {
+                        angle_deg,
+                        pupil_mm,
+                        light: light.name(),
+                        shading: shading.name(),
+                        difference: paths.beside(&radiances, shading),
+                    });
+                    done(&rows[rows.len() - 1], rows.len(), all);
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::frame_folder::{FrameFolder, REPORT};
 use super::headless::{Headless, HeadlessError, Which};
 use crate::anatomy::Laterality;
-use crate::appearance::EyeOrbit;
+use crate::appearance::{EyeOrbit, EyeQuality};
 use crate::frame::ledger::Work;
 pub use crate::frame::picture::encode_png;
 use crate::frame::picture::side_by_side;
@@ -44,6 +44,8 @@ pub struct RenderRequest {
     pub fps: f64,
     /// Where the camera before the eye stands.
     pub orbit: EyeOrbit,
+    /// How finely that draws.
+    pub quality: EyeQuality,
     /// Marker and threshold of the view.
     pub options: ViewOptions,
     /// The way that the head goes, if it moves.
@@ -87,6 +89,8 @@ pub struct RenderReport {
     pub orbit_deg: Option<[f32; 2]>,
     /// Its distance from the cornea, mm; `None` where there is none.
     pub distance_mm: Option<f32>,
+    /// How its iris is computed, `fast` or `full`; `None` where there is none.
+    pub quality: Option<&'static str>,
     /// How much a corner of the view differs from its ring at least, 0 to 255; `None` where there is no view.
     pub threshold: Option<u8>,
     /// Panels in the picture.
@@ -204,7 +208,9 @@ pub fn render(
     let is_far = session.scene.is_far();
     // All of it stands before the first look: what the eye may look at is searched for but once.
     let mut headless = Headless::prepared(session, sizes, shown, |world, stage| {
-        world.entity_mut(stage.eye).insert(request.orbit);
+        world
+            .entity_mut(stage.eye)
+            .insert((request.orbit, request.quality));
         let mut view = world.entity_mut(stage.view);
         if let Some(mut options) = view.get_mut::<ViewOptions>() {
             let exposure = options.exposure;
@@ -269,6 +275,7 @@ pub fn render(
         // Plus nothing: minus nothing is nothing.
         orbit_deg: shown[0].then_some([orbit.azimuth_deg + 0.0, orbit.elevation_deg + 0.0]),
         distance_mm: shown[0].then_some(orbit.distance_mm),
+        quality: shown[0].then(|| request.quality.shading.name()),
         threshold: shown[1].then_some(request.options.threshold),
         panel: request.panels,
         size_px: request.size.to_array(),

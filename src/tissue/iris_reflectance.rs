@@ -99,9 +99,9 @@ impl IrisPigment {
     /// as would make it as dark, a brown iris varies half as much in lightness as photographs of them do. Enough of it is pheomelanin to be
     /// warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.03,
-        border_layer_melanin_fraction: 0.45,
-        eumelanin_ratio: 0.4,
+        stroma_melanin_fraction: 0.015,
+        border_layer_melanin_fraction: 0.5,
+        eumelanin_ratio: 0.3,
         stroma_blood_fraction: BROWN_BLOOD,
     };
 

@@ -52,6 +52,7 @@ pub(super) fn clamped(v: f64) -> f64 {
 }
 
 /// [`clamped`] for three colours.
+#[cfg(test)]
 pub(super) fn clamped_rgb(v: DVec3) -> DVec3 {
     v.map(clamped)
 }
@@ -109,29 +110,12 @@ pub fn mean_transmittance(start: f64, end: f64) -> f64 {
     (-low).exp() * share
 }
 
-/// [`mean_transmittance`] of three colours.
+/// [`mean_transmittance`] of three colours. ∫ σ_s e^(−depth) ds along a segment of `length` mm is this times σ_s `length`:
+/// with the phase function (sr⁻¹) and the irradiance across the beam, the radiance that it scatters towards the eye.
 pub fn layer_mean_transmittance(start: DVec3, end: DVec3) -> DVec3 {
     DVec3::from_array(core::array::from_fn(|i| {
         mean_transmittance(start[i], end[i])
     }))
-}
-
-/// ∫ σ_s e^(−extinction (light's path + path to the eye)) ds along a segment of `length` mm inside
-/// one layer, seen from its start: the light's path to the segment's points goes linearly from
-/// `light_start` to `light_end` mm. Times the phase function (sr⁻¹) and the irradiance across the
-/// beam it is the radiance scattered towards the eye.
-pub fn layer_segment_scatter(
-    extinction: DVec3,
-    scattering: DVec3,
-    length: f64,
-    light_start: f64,
-    light_end: f64,
-) -> DVec3 {
-    let (extinction, scattering) = (clamped_rgb(extinction), clamped_rgb(scattering));
-    let length = clamped(length);
-    let start = extinction * clamped(light_start);
-    let end = extinction * (clamped(light_end) + length);
-    scattering * length * layer_mean_transmittance(start, end)
 }
 
 /// What one layer adds to the reflected BRDF by single scattering, but for the phase function

@@ -9,7 +9,7 @@ use ocularium::appearance::light_table::{
     LightTableSettings, LightTableSize, SKY_RADII, iris_light, iris_sky_knot,
 };
 use ocularium::appearance::sclera_map::{ScleraMap, ScleraMapSettings};
-use ocularium::appearance::shading::iris_relief::{self, IrisFrame, IrisPlace};
+use ocularium::appearance::shading::iris_relief::{self, IrisFrame};
 use ocularium::appearance::shading::iris_shade::{self, IrisMaps};
 use ocularium::appearance::shading::sclera_shade::{self, ScleraSight};
 use ocularium::tissue::iris_reflectance::{IrisPigment, IrisTissue};
@@ -270,18 +270,15 @@ fn places_of_the_iris() {
             name: "iris_place",
             library: &["iris_relief"],
             call: &format!(
-                "{IRIS} let q = iris_place(p, iris); y[0] = cos(6.2831853 * q.uv.x); y[1] = sin(6.2831853 * q.uv.x); \
-                 y[2] = q.uv.y; y[3] = q.du.x; y[4] = q.du.y; y[5] = q.dv.x; y[6] = q.dv.y; \
-                 let s = iris_step(q, vec2f(0.1, -0.2)) - q.uv; y[7] = s.x; y[8] = s.y;"
+                "{IRIS} let q = iris_place(p, iris); y[0] = cos(6.2831853 * q.uv.x); y[1] = sin(6.2831853 * q.uv.x); y[2] = q.uv.y; \
+                 let s = iris_step(iris, q, vec2f(0.1, -0.2)) - q.uv; y[3] = s.x; y[4] = s.y;"
             ),
             draw: &draw_iris,
             exact: &|x| {
                 let q = iris_relief::iris_place(v2(&x[6..]), &iris_of(x));
                 let (sin, cos) = (core::f64::consts::TAU * q.uv.x).sin_cos();
-                let step = iris_relief::iris_step(&q, DVec2::new(0.1, -0.2)) - q.uv;
-                vec![
-                    cos, sin, q.uv.y, q.du.x, q.du.y, q.dv.x, q.dv.y, step.x, step.y,
-                ]
+                let step = iris_relief::iris_step(&iris_of(x), &q, DVec2::new(0.1, -0.2)) - q.uv;
+                vec![cos, sin, q.uv.y, step.x, step.y]
             },
             // u jumps at the seam, so its circle is compared: WGSL allows an arc tangent 4096 roundings
             // and a cosine 2^-11. The rest is good to a few roundings of v, up to 12.
@@ -345,11 +342,12 @@ fn the_relief_of_the_iris() {
             library: &["iris_relief"],
             call: &format!(
                 "{IRIS} let q = iris_place(p, iris); let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[11], x[12], x[13]); \
-                 let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], RELIEF_STEPS); y[0] = m.x; y[1] = m.y; \
-                 let f = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], vec2f(64.0)); y[10] = f.x; y[11] = f.y; \
+                 let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], IRIS_MARCH_FAST); y[0] = m.x; y[1] = m.y; \
+                 let f = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], IRIS_MARCH_FIXED); y[10] = f.x; y[11] = f.y; \
                  let t = iris_texel(iris_map, iris_map_sampler, iris, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
                  let n = relief_normal(iris_map, iris_map_sampler, iris, q, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
-                 y[8] = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.xy, 0.2 * d.z - t.height, 0.2 * d.z, l, x[15]); \
+                 let w = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.xy, 0.2 * d.z - t.height, 0.2 * d.z, l, x[15]); y[8] = w.x; y[12] = w.y; \
+                 let g = relief_way_by_looks(iris_map, iris_map_sampler, iris, q, 0.2 * d.z - t.height, l, x[15], 4); y[13] = g.x; y[14] = g.y; \
                  y[9] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
             ),
             draw: &draw_march,
@@ -357,21 +355,23 @@ fn the_relief_of_the_iris() {
                 let (iris, p, lod) = (iris_of(x), v2(&x[6..]), x[15]);
                 let (d, l) = (v3(&x[8..]), v3(&x[11..]));
                 let q = iris_relief::iris_place(p, &iris);
-                let moved =
-                    iris_relief::relief_march(&view, &iris, &q, d, lod, iris_relief::RELIEF_STEPS);
-                let fixed = iris_relief::relief_march(&view, &iris, &q, d, lod, [64.0; 2]);
+                let march = |march| iris_relief::relief_march(&view, &iris, &q, d, lod, march);
+                let moved = march(&iris_relief::IRIS_MARCH_FAST);
+                let fixed = march(&iris_relief::IRIS_MARCH_FIXED);
                 let t = iris_relief::iris_texel(&view, &iris, q.uv, lod);
                 let n = iris_relief::relief_normal(&view, &iris, &q, x[14].max(0.012), lod);
                 let (aside, deep) = (0.2 * d.truncate(), 0.2 * d.z);
                 let under = deep - t.height;
                 let way = iris_relief::relief_way(&view, &iris, &q, aside, under, deep, l, lod);
+                let looks = iris_relief::relief_way_by_looks(&view, &iris, &q, under, l, lod, 4);
                 let level = iris_relief::iris_level(view.size(), x[14], p.length(), iris.width());
                 [
                     &moved.to_array()[..],
                     &[t.height, t.thickness, t.melanin],
                     &n.to_array(),
-                    &[way, level],
+                    &[way.x, level],
                     &fixed.to_array(),
+                    &[way.y, looks.x, looks.y],
                 ]
                 .concat()
             },
@@ -419,10 +419,11 @@ fn the_light_of_the_iris() {
     let call = format!(
         "{IRIS} var sky = array<f32, {SKY_RADII}>({sky_values}); let at = iris_sky_knot(length(p), x[0]); \
          let d = vec3f(x[8], x[9], x[10]); let l = vec3f(x[16], x[17], x[18]); \
-         let q = IrisPlace(vec2f(x[11], x[12]), vec2f(-p.y, p.x) * (0.15915494 / dot(p, p)), p * 0.05); \
-         let u = iris_surface(iris_map, iris_map_sampler, iris, p, d, q, x[14], RELIEF_STEPS); \
+         let u = iris_surface(iris_map, iris_map_sampler, iris, p, iris_place(p, iris), d, x[14], IRIS_MARCH_FAST); \
          let c = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table_sampler, iris, {tissue}, u, \
-         iris_light(light_table, light_table_sampler, l, u.at, iris.root, iris.limbus)); {RGB_OUT} \
+         iris_light(light_table, light_table_sampler, l, u.at, iris.root, iris.limbus), x[11], IRIS_MARCH_FAST); {RGB_OUT} \
+         let f = iris_lamp(iris_map, iris_map_sampler, reflectance_map, light_table_sampler, iris, {tissue}, u, \
+         iris_light(light_table, light_table_sampler, l, u.at, iris.root, iris.limbus), x[11], IRIS_MARCH_FULL); y[6] = f.x; y[7] = f.z; \
          let a = iris_ambient(reflectance_map, light_table_sampler, u, mix(sky[at.below], sky[at.below + 1], at.part)); y[3] = a.x; y[4] = a.z; \
          y[5] = textureSampleLevel(reflectance_map, reflectance_map_sampler, vec2f(0.5), 0.0).a;"
     );
@@ -433,27 +434,22 @@ fn the_light_of_the_iris() {
             call: &call,
             draw: &|rng| {
                 let mut x = draw_march(rng);
-                (x[11], x[12]) = (between(rng, 0.0, 1.0), between(rng, -0.1, 1.2));
+                x[11] = between(rng, -0.2, 0.2);
                 x.truncate(16);
                 x.extend(unit(rng));
                 x
             },
             exact: &|x| {
                 let p = v2(&x[6..]);
-                let start = IrisPlace {
-                    uv: v2(&x[11..]),
-                    du: p.perp() * (0.15915494 / p.length_squared()),
-                    dv: p * 0.05,
-                };
                 let iris = iris_of(x);
                 let surface = iris_shade::iris_surface(
                     &views,
                     &iris,
                     p,
+                    &iris_relief::iris_place(p, &iris),
                     v3(&x[8..]),
-                    &start,
                     x[14],
-                    iris_relief::RELIEF_STEPS,
+                    &iris_relief::IRIS_MARCH_FAST,
                 );
                 let arrives = iris_light(
                     &views.light,
@@ -462,13 +458,18 @@ fn the_light_of_the_iris() {
                     iris.root,
                     iris.limbus,
                 );
-                let lamp = iris_shade::iris_lamp(&views, &iris, &hazel, &surface, arrives);
+                let [fast, full] = [iris_relief::IRIS_MARCH_FAST, iris_relief::IRIS_MARCH_FULL]
+                    .map(|march| {
+                        iris_shade::iris_lamp(
+                            &views, &iris, &hazel, &surface, arrives, x[11], &march,
+                        )
+                    });
                 let ambient = iris_shade::iris_ambient(
                     &views,
                     &surface,
                     iris_sky_knot(p.length(), x[0]).read(&sky),
                 );
-                [rgb(lamp), vec![ambient.x, ambient.z, 1.0]].concat()
+                [rgb(fast), vec![ambient.x, ambient.z, 1.0, full.x, full.z]].concat()
             },
             // A place is good to 6e-8 of 256 texels; a way 0.1 mm high within one makes 2e-6 mm of each
             // of two readings, the normal's step of 0.012 mm 3e-4 of a slope, light up to 2 twice that.

@@ -64,25 +64,4 @@ fn layers_scatter_once() {
         relative: 4e-6,
         steep_share: 0.01,
     });
-    pass(&Twin {
-        name: "layer_segment_scatter",
-        library: &["layers"],
-        call: &rgb(
-            "layer_segment_scatter(vec3f(x[0], x[1], x[2]), vec3f(x[3], x[4], x[5]), x[6], x[7], x[8])",
-        ),
-        draw: &|rng| {
-            let mut x = powers(rng, 3, -4.0, 1.2);
-            x.extend(powers(rng, 3, -3.0, 1.2));
-            x.extend((0..3).map(|_| between(rng, 0.0, 1.0)));
-            x
-        },
-        exact: &|x| {
-            layers::layer_segment_scatter(v3(x), v3(&x[3..]), x[6], x[7], x[8])
-                .to_array()
-                .to_vec()
-        },
-        absolute: 1e-12,
-        relative: 5e-6,
-        steep_share: 0.01,
-    });
 }

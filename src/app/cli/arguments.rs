@@ -6,6 +6,7 @@ use super::values::{
     parse_threshold,
 };
 use crate::anatomy::Laterality;
+use crate::appearance::EyeQuality;
 use crate::lab::measure::MeasureTable;
 use crate::patients::PatientFile;
 use crate::scene::depth_file::DepthUnit;
@@ -207,6 +208,24 @@ pub(super) enum PanelArg {
     Both,
 }
 
+/// [`EyeQuality`] on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum QualityArg {
+    /// One sample a pixel and the quicker iris, as a window has it where processors draw.
+    Fast,
+    /// Four samples and the iris that is nearer to paths of light.
+    Full,
+}
+
+impl QualityArg {
+    pub(super) fn quality(self) -> EyeQuality {
+        match self {
+            Self::Fast => EyeQuality::PLAIN,
+            Self::Full => EyeQuality::default(),
+        }
+    }
+}
+
 #[derive(Args)]
 pub(super) struct RenderArgs {
     #[command(flatten)]
@@ -233,6 +252,9 @@ pub(super) struct RenderArgs {
     /// Distance of that camera from the cornea in mm, 35 to 400.
     #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance, allow_hyphen_values = true)]
     pub(super) distance: f32,
+    /// How finely the eye is drawn.
+    #[arg(long, value_enum, default_value = "full")]
+    pub(super) quality: QualityArg,
     /// The way that the head goes through the scene: a file (RON) with a list of moments, as in
     /// [(time_s: 0.0), (time_s: 2.0, forward_m: 1.0, right_m: 0.2, up_m: 0.0, yaw_deg: 20.0, pitch_deg: -5.0)],
     /// against where the scene puts it; or "walk", one that comes with the program.

@@ -8,11 +8,19 @@ use super::{DESIGN_WIDTH_MM, IrisMapSettings, turns_per_mm};
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 
+/// How much the sectors of a closed border layer differ in density.
+const SECTORS: f32 = 1.8;
+
+/// Least density of a closed border layer.
+const LEAST: f32 = 0.22;
+
 /// Paints all of it.
 pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canvas) -> Vec<f32> {
     let grid = surface.grid;
     let (seed, cover) = (settings.seed ^ 0x61, settings.border_layer_cover);
     let blotches = canvas::slow_field(grid, |u, v| fbm(u * 9.0, v * 2.5, [9, 0], 4, seed));
+    // Sectors, a tenth of a turn and more wide, that are denser or barer than others.
+    let sectors = canvas::slow_field(grid, |u, v| fbm(u * 6.0, v * 0.9, [6, 0], 3, seed ^ 2));
     let columns: Vec<Column> = (0..grid.width)
         .map(|i| Column::new(settings, layout, grid.u(i)))
         .collect();
@@ -28,14 +36,17 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
             // Where the layer covers all it is dense everywhere, down to the floors of the crypts.
             let closed = smoothstep(0.15, 0.6, cover);
             let cells = lerp(0.38, 0.70, closed)
-                + lerp(1.0, 2.05, closed) * (0.6 * blotch + 0.45 * mottle + 0.6 * tag);
+                + lerp(1.0, 2.05, closed) * (0.6 * blotch + 0.45 * mottle + 0.6 * tag)
+                + SECTORS * closed * sectors[index];
             // The border layer lies on the crests and is missing over openings.
             let laid = lerp(lerp(0.5, 0.85, closed), 1.1, smoothstep(0.15, 0.75, relief));
             let bare = 1.0 - lerp(0.6, 0.1, closed) * layout.crypt[index];
             let ring = columns[column].ring(settings, v, tag + 0.3 * mottle);
             let own = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
             let brown = (cells + 0.3) * laid * bare;
-            let own = own.clamp(0.0, 1.0) * settings.own_melanin;
+            // No place of a closed one is bare but towards the root.
+            let least = LEAST * closed * smoothstep(0.95, 0.75, v);
+            let own = lerp(least, 1.0, own.clamp(0.0, 1.0)) * settings.own_melanin;
             *value = lerp(own, brown, columns[column].sector(v, tag + 0.3 * mottle));
         }
     }

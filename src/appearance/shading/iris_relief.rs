@@ -81,31 +81,44 @@ pub struct IrisTexel {
     pub melanin: f64,
 }
 
-/// Place in the iris map and how it changes with a step on the iris plane.
+/// Place in the iris map, and what small steps from it need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IrisPlace {
     /// u the angle, v from the pupil's edge to the root.
     pub uv: DVec2,
-    /// Change of u by mm.
-    pub du: DVec2,
-    /// Change of v by mm.
-    pub dv: DVec2,
+    /// Unit direction away from the pupil.
+    pub away: DVec2,
+    /// One over the distance from the pupil's middle, 1/mm.
+    pub bend: f64,
+    /// One over the width of the iris, 1/mm.
+    pub dv: f64,
+    /// By what the pupil's part in places falls with a step, 1/mm.
+    pub fall: DVec2,
 }
 
-/// The place in the map of a point of the iris plane.
+/// The place in the map of a point (mm) of the iris' plane.
 pub fn iris_place(p: DVec2, iris: &IrisFrame) -> IrisPlace {
-    let q = p - iris.center * (1.0 - p.length() / iris.root);
+    let from_axis = p.length();
+    let q = p - iris.center * (1.0 - from_axis / iris.root);
     let r = q.length().max(0.2);
+    let dv = 1.0 / iris.width();
     IrisPlace {
-        uv: DVec2::new(q.y.atan2(q.x) / TAU + 0.5, (r - iris.pupil) / iris.width()),
-        du: q.perp() / (TAU * r * r),
-        dv: q / (r * iris.width()),
+        uv: DVec2::new(q.y.atan2(q.x) / TAU + 0.5, (r - iris.pupil) * dv),
+        away: q / r,
+        bend: 1.0 / r,
+        dv,
+        fall: p / (from_axis.max(0.2) * iris.root),
     }
 }
 
-/// The place in the map a step (mm) away.
-pub fn iris_step(place: &IrisPlace, step: DVec2) -> DVec2 {
-    place.uv + DVec2::new(place.du.dot(step), place.dv.dot(step))
+/// The place in the map a step (mm) away, to the third order of it: within a micrometre for a tenth of the distance from the
+/// pupil's middle.
+pub fn iris_step(iris: &IrisFrame, place: &IrisPlace, step: DVec2) -> DVec2 {
+    let moved = step + iris.center * place.fall.dot(step);
+    let (out, round) = (place.away.dot(moved), place.away.perp_dot(moved));
+    let (o, t) = (out * place.bend, round * place.bend);
+    let turn = t * (1.0 - o + o * o - t * t / 3.0);
+    place.uv + DVec2::new(turn / TAU, (out + 0.5 * round * t * (1.0 - o)) * place.dv)
 }
 
 /// A reading of the map, which ends a thousandth within its edges.
@@ -131,18 +144,54 @@ pub fn iris_level(size: DVec2, footprint: f64, radius: f64, width: f64) -> f64 {
     (texels.max_element().log2() - 0.4).max(0.0)
 }
 
-/// Fewest and most steps of the march.
-pub const RELIEF_STEPS: [f64; 2] = [3.0, 12.0];
+/// How an iris is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrisMarch {
+    /// Fewest steps of the view to its relief.
+    pub fewest: f64,
+    /// Most steps.
+    pub most: f64,
+    /// How far behind it the view is followed, as a multiple of how thick it is there.
+    pub reach: f64,
+    /// In how many segments behind the border layer.
+    pub segments: usize,
+    /// By how many looks light's way to each of them is known; none: it is taken for straight to where it crosses the relief.
+    pub looks: usize,
+}
 
-/// How far (mm, on the iris plane) the refracted ray has moved where it meets the relief: the first
-/// place where the ray is below the surface, by steps of two texels of this level, of these fewest and most, and one secant.
+/// By what a pixel shows, as far as a rasteriser on processors goes.
+pub const IRIS_MARCH_FAST: IrisMarch = IrisMarch {
+    fewest: 3.0,
+    most: 16.0,
+    reach: 1.7,
+    segments: 4,
+    looks: 0,
+};
+/// By what a pixel shows, in a picture that is to be kept.
+pub const IRIS_MARCH_FULL: IrisMarch = IrisMarch {
+    fewest: 8.0,
+    most: 48.0,
+    reach: 2.2,
+    segments: 12,
+    looks: 4,
+};
+/// The plain way, which the others are measured against.
+pub const IRIS_MARCH_FIXED: IrisMarch = IrisMarch {
+    fewest: 64.0,
+    most: 64.0,
+    segments: 64,
+    ..IRIS_MARCH_FULL
+};
+
+/// How far (mm, on the iris plane) the refracted ray that lands at this place of it has moved where it meets the relief: the
+/// first place where the ray is below the surface, by steps of two texels and two secants.
 pub fn relief_march(
     map: &MapView,
     iris: &IrisFrame,
     place: &IrisPlace,
     direction: DVec3,
     lod: f64,
-    between: [f64; 2],
+    march: &IrisMarch,
 ) -> DVec2 {
     let slope = direction.truncate() / direction.z.max(0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
@@ -151,21 +200,33 @@ pub fn relief_march(
     let texel = iris_texel_mm(map.size().y, lod, iris);
     let steps = (slope.length() * deepest / (2.0 * texel))
         .ceil()
-        .clamp(between[0], between[1]);
+        .clamp(march.fewest, march.most);
+    let gap_at = |depth: f64| {
+        let step = iris_step(iris, place, slope * (depth - top));
+        depth - top + iris_texel(map, iris, step, lod).height
+    };
     let (mut before, mut gap_before) = (0.0, -0.05);
     for i in 1..=steps as u32 {
         let depth = deepest * f64::from(i) / steps;
-        let below = iris_step(place, slope * (depth - top));
-        let gap = depth - top + iris_texel(map, iris, below, lod).height;
+        let gap = gap_at(depth);
         if gap >= 0.0 {
-            return slope * (mix(before, depth, gap_before / (gap_before - gap)) - top);
+            let first = mix(before, depth, gap_before / (gap_before - gap));
+            // Again between the nearer two.
+            let left = gap_at(first);
+            let [low, high] = if left >= 0.0 {
+                [(before, gap_before), (first, left)]
+            } else {
+                [(first, left), (depth, gap)]
+            };
+            let part = low.1 / (low.1 - high.1).min(-1e-6);
+            return slope * (mix(low.0, high.0, part.clamp(0.0, 1.0)) - top);
         }
         (before, gap_before) = (depth, gap);
     }
     slope * (deepest - top)
 }
 
-/// The relief's normal, from three heights on a circle `e` mm across.
+/// The relief's normal at a place, from four heights `e` mm apart.
 pub fn relief_normal(
     map: &MapView,
     iris: &IrisFrame,
@@ -173,27 +234,15 @@ pub fn relief_normal(
     e: f64,
     lod: f64,
 ) -> DVec3 {
-    let r = 0.5 * e;
-    let height = |x: f64, y: f64| {
-        let step = DVec2::new(x, y) * r;
-        iris_texel(map, iris, iris_step(place, step), lod).height
-    };
-    let half_root = 0.75_f64.sqrt();
-    let (upper, left, right) = (
-        height(0.0, 1.0),
-        height(-half_root, -0.5),
-        height(half_root, -0.5),
-    );
-    let slope = DVec2::new(
-        (right - left) / (2.0 * half_root),
-        (upper - 0.5 * (left + right)) / 1.5,
-    ) / r;
+    let height = |step: DVec2| iris_texel(map, iris, iris_step(iris, place, step), lod).height;
+    let rise = |axis: DVec2| height(axis * (0.5 * e)) - height(axis * (-0.5 * e));
+    let slope = DVec2::new(rise(DVec2::X), rise(DVec2::Y)) / e;
     (-slope).extend(-1.0).normalize()
 }
 
-/// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface,
-/// `under` mm below its mean plane and the step `aside` (mm) from a place of it: where the light crossed the surface, by a
-/// secant and a step of Newton's.
+/// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface and
+/// `under` mm below its mean plane, the step `aside` (mm) from a place of it, and the melanin of the border layer where the light crossed it: by a secant and a
+/// step of Newton's.
 #[expect(clippy::too_many_arguments, reason = "the shader twin's argument list")]
 pub fn relief_way(
     map: &MapView,
@@ -204,23 +253,94 @@ pub fn relief_way(
     depth: f64,
     towards: DVec3,
     lod: f64,
-) -> f64 {
+) -> DVec2 {
     let up = (-towards.z).max(0.25);
-    let deep = depth.max(0.02);
-    let height = |way: f64| {
-        let step = aside + towards.truncate() * way;
-        iris_texel(map, iris, iris_step(place, step), lod).height
+    let deep = depth.max(0.01);
+    let there = |way: f64| {
+        let step = iris_step(iris, place, aside + towards.truncate() * way);
+        iris_texel(map, iris, step, lod)
     };
     let first = deep / up;
-    let there = under - deep + height(first);
-    let second = first * (deep / (deep - there).max(0.25 * deep)).clamp(0.3, 4.0);
-    let left = under - up * second + height(second);
-    (second + left / up).max(0.3 * first)
+    let gap = under - deep + there(first).height;
+    let second = first * (deep / (deep - gap).max(0.25 * deep)).clamp(0.3, 4.0);
+    let crossed = there(second);
+    let left = under - up * second + crossed.height;
+    DVec2::new((second + left / up).max(0.3 * first), crossed.melanin)
+}
+
+/// The same as [`relief_way`] from below this place of it, by this many looks along it, further apart the higher they are: tissue that it crosses behind
+/// the first place where it leaves some is counted too.
+pub fn relief_way_by_looks(
+    map: &MapView,
+    iris: &IrisFrame,
+    place: &IrisPlace,
+    under: f64,
+    towards: DVec3,
+    lod: f64,
+    looks: usize,
+) -> DVec2 {
+    let up = (-towards.z).max(0.25);
+    // Up to the highest ridges.
+    let all = (under + 0.2 * iris.thicken * iris.relief.max(1.0)).max(0.01) / up;
+    let (mut way, mut melanin, mut begins) = (0.0, 0.0, 0.0);
+    for i in 1..=looks {
+        let part = i as f64 / looks as f64;
+        let ends = all * part * part.sqrt();
+        let middle = 0.5 * (begins + ends);
+        let step = iris_step(iris, place, towards.truncate() * middle);
+        let there = iris_texel(map, iris, step, lod);
+        let above = under - up * middle + there.height;
+        let inside = (above / (up * (ends - begins)) + 0.5).clamp(0.0, 1.0);
+        way += inside * (ends - begins);
+        if inside > 0.0 {
+            melanin = there.melanin;
+        }
+        begins = ends;
+    }
+    DVec2::new(way, melanin)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_small_step_leads_where_the_place_itself_is() {
+        let iris = IrisFrame {
+            root: 6.05,
+            pupil: 1.75,
+            limbus: 5.85,
+            relief: 1.0,
+            center: DVec2::new(0.25, -0.1),
+            thicken: 1.0,
+            furrows: 1.0,
+        };
+        for (r, reach, most_mm) in [(2.0, 0.2, 1e-3), (3.0, 0.5, 5e-3), (5.0, 0.5, 2e-3)] {
+            let mut worst = 0.0_f64;
+            for i in 0..16 {
+                for j in 0..16 {
+                    let turned = |k: i32, r: f64| DVec2::from_angle(f64::from(k) * TAU / 16.0) * r;
+                    let (p, step) = (turned(i, r), turned(j, reach));
+                    let truth = iris_place(p + step, &iris);
+                    let found = iris_step(&iris, &iris_place(p, &iris), step);
+                    let turn = (found.x - truth.uv.x + 0.5).rem_euclid(1.0) - 0.5;
+                    let off =
+                        DVec2::new(turn * TAU / truth.bend, (found.y - truth.uv.y) / truth.dv);
+                    worst = worst.max(off.length());
+                }
+            }
+            assert!(worst < most_mm, "{r}: {worst}");
+            // The straight step of the first order is further off.
+            let place = iris_place(DVec2::new(r, 0.0), &iris);
+            let straight = IrisPlace { bend: 0.0, ..place };
+            let step = DVec2::new(0.0, reach);
+            let of = |place: &IrisPlace| iris_step(&iris, place, step).y;
+            assert!(
+                (of(&place) - of(&straight)).abs() / place.dv > 2.0 * worst,
+                "{r}: {worst}"
+            );
+        }
+    }
 
     #[test]
     fn an_iris_keeps_its_volume_and_folds_as_the_pupil_opens() {

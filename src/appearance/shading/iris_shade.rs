@@ -6,22 +6,20 @@
 //! Eye frame, mm. Twin: `shaders/lib/iris_shade.wgsl`.
 
 use super::iris_relief::{
-    IrisFrame, IrisPlace, IrisTexel, iris_level, iris_step, iris_texel, iris_texel_mm,
-    relief_march, relief_normal, relief_way,
+    IrisFrame, IrisMarch, IrisPlace, IrisTexel, iris_level, iris_place, iris_step, iris_texel,
+    iris_texel_mm, relief_march, relief_normal, relief_way, relief_way_by_looks,
 };
 use super::mix;
 use crate::appearance::images::MapView;
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::iris_layers::{BUNDLE_SCALED_COSINE, BUNDLE_SIDEWAYS};
 use crate::tissue::iris_reflectance::{AQUEOUS_SLANT, BORDER_LAYER_MM, IrisTissue};
-use crate::tissue::layers::layer_segment_scatter;
+use crate::tissue::layers::layer_mean_transmittance;
 use crate::tissue::phase::{PHASE_ISOTROPIC, phase_henyey_greenstein, phase_rayleigh};
 use glam::{DVec2, DVec3, DVec4};
 
 /// Longest path (mm) of the reflectance map.
 pub const IRIS_PATH_MAX_MM: f64 = 2.5;
-/// Segments of a view through the stroma.
-pub const STROMA_SEGMENTS: usize = 3;
 /// How far (mm) light that is scattered more than once spreads sideways: half of its mean free path in the
 /// stroma, 0.5 mm at 480 nm.
 pub const IRIS_SPREAD_MM: f64 = 0.25;
@@ -63,81 +61,49 @@ pub struct IrisSurface {
     pub smooth_normal: DVec3,
     /// Path through the border layer, mm.
     pub border: f64,
-    /// How far along the ray the middle of each segment of the stroma is, mm.
-    pub alongs: [f64; STROMA_SEGMENTS],
-    /// How deep that is below the surface, mm.
-    pub depths: [f64; STROMA_SEGMENTS],
-    /// Depth below the border layer at which each segment of the ray begins, mm.
-    pub begins: [f64; STROMA_SEGMENTS],
-    /// Its length in tissue, mm.
-    pub lengths: [f64; STROMA_SEGMENTS],
+    /// From where the ray meets the iris to where it is left, mm.
+    pub reach: f64,
 }
 
-/// Where a refracted ray that lands at `point` of the iris' plane meets it, `start` being that point's place
-/// in the map; `steps`: the fewest and most of its march.
+/// Where a refracted ray that lands at `point` of the iris' plane, `start` in the map, meets it.
 pub fn iris_surface(
     maps: &IrisMaps,
     iris: &IrisFrame,
     point: DVec2,
-    direction: DVec3,
     start: &IrisPlace,
+    direction: DVec3,
     footprint: f64,
-    steps: [f64; 2],
+    march: &IrisMarch,
 ) -> IrisSurface {
     let map = &maps.relief;
     let lod = iris_level(map.size(), footprint, point.length(), iris.width());
-    // The next coarser level, by its number: between two, devices break ties differently.
-    let moved = relief_march(map, iris, start, direction, lod.ceil(), steps);
-    let place = IrisPlace {
-        uv: iris_step(start, moved),
-        ..*start
-    };
+    let at = point + relief_march(map, iris, start, direction, lod, march);
+    let place = iris_place(at, iris);
     let texel = iris_texel(map, iris, place.uv, lod);
     let finest = iris_texel_mm(map.size().y, 0.0, iris);
     let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
     let smooth_texel = iris_texel(map, iris, place.uv, spread);
-    let over = footprint.max(IRIS_SPREAD_MM);
-    let smooth_normal = relief_normal(map, iris, &place, over, spread);
+    let smooth_normal = relief_normal(map, iris, &place, footprint.max(IRIS_SPREAD_MM), spread);
 
     let down = direction.z.max(0.35);
     // As if the relief were level, and as deep as it is there.
     let level = BORDER_LAYER_MM / down;
-    let step = iris_step(&place, direction.truncate() * level);
-    let reached = down * level + iris_texel(map, iris, step, lod).height - texel.height;
-    let first = level * (BORDER_LAYER_MM / reached.max(0.01)).clamp(0.5, 2.5);
-    // A little further than to the back of what is there, as what lies behind may be thicker.
-    let segment = (1.3 * texel.thickness / down - first).max(0.03) / STROMA_SEGMENTS as f64;
-    let deep = segment * down;
-    let (mut alongs, mut depths) = ([0.0; STROMA_SEGMENTS], [0.0; STROMA_SEGMENTS]);
-    let (mut begins, mut lengths) = ([0.0; STROMA_SEGMENTS], [0.0; STROMA_SEGMENTS]);
-    let mut open = 1.0;
-    for i in 0..STROMA_SEGMENTS {
-        let along = first + (i as f64 + 0.5) * segment;
-        let step = iris_step(&place, direction.truncate() * along);
-        let there = iris_texel(map, iris, step, lod);
-        let depth = down * along + there.height - texel.height;
-        let below = depth - BORDER_LAYER_MM;
-        let before_back = ((there.thickness - depth) / deep + 0.5).clamp(0.0, 1.0);
-        let inside = (below / deep + 0.5).clamp(0.0, 1.0).min(before_back);
-        (alongs[i], depths[i]) = (along, depth);
-        begins[i] = (below - 0.5 * deep).max(0.0);
-        lengths[i] = open * inside * segment;
-        // Behind it lies the black epithelium.
-        open *= before_back;
-    }
+    let step = iris_step(iris, &place, direction.truncate() * level);
+    let there = iris_texel(map, iris, step, lod);
+    let reached = down * level + there.height - texel.height;
+    let border = level * (BORDER_LAYER_MM / reached.max(0.01)).clamp(0.5, 2.5);
+    // Further than to the back of what is there: the view may leave a ridge and meet the next.
+    let reach = border + (march.reach * texel.thickness / down - border).max(0.03);
     IrisSurface {
-        at: point + moved,
+        at,
         place,
         texel,
         direction,
         lod,
         smooth_texel,
         smooth_normal,
-        border: first,
-        alongs,
-        depths,
-        begins,
-        lengths,
+        border,
+        reach,
     }
 }
 
@@ -172,79 +138,104 @@ pub fn iris_covered(texel: &IrisTexel) -> f64 {
     smoothstep(0.03, 0.08, texel.thickness)
 }
 
-/// How many mm of a lamp's light lie in the relief for each mm of depth of a segment's middle.
-pub fn iris_ways(
-    maps: &IrisMaps,
-    iris: &IrisFrame,
-    surface: &IrisSurface,
-    towards: DVec3,
-) -> [f64; STROMA_SEGMENTS] {
-    core::array::from_fn(|i| {
-        let (along, depth) = (surface.alongs[i], surface.depths[i]);
-        let aside = surface.direction.truncate() * along;
-        let under = surface.direction.z.max(0.35) * along - surface.texel.height;
-        let (map, place, lod) = (&maps.relief, &surface.place, surface.lod);
-        relief_way(map, iris, place, aside, under, depth, towards, lod) / depth.max(0.02)
-    })
+/// Optical depth of light at a depth (mm) of the tissue, by the border layer's extinction on its way and how many mm of its
+/// way lie in tissue for each mm of depth.
+fn iris_light_depth(border: DVec3, stroma: DVec3, depth: f64, way: f64) -> DVec3 {
+    way * (border * depth.min(BORDER_LAYER_MM) + stroma * (depth - BORDER_LAYER_MM).max(0.0))
 }
 
 /// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction
-/// `towards`, by these ways ([`iris_ways`]); linear sRGB.
+/// `towards`; linear sRGB. The border layer and segments behind it, each in closed form; the beam gathers by this
+/// share of itself a mm ([`super::near_light::beam_gathers`]).
 pub fn iris_scattered_once(
+    maps: &IrisMaps,
+    iris: &IrisFrame,
     tissue: &IrisTissue,
     surface: &IrisSurface,
     towards: DVec3,
-    ways: &[f64; STROMA_SEGMENTS],
+    gathers: f64,
+    march: &IrisMarch,
 ) -> DVec3 {
     let cosine = towards.dot(surface.direction);
     let rayleigh = phase_rayleigh(cosine);
     let peak = phase_henyey_greenstein(cosine, BUNDLE_SCALED_COSINE);
     let bundles = mix(peak, PHASE_ISOTROPIC, BUNDLE_SIDEWAYS);
     let phase = |fibrils: DVec3| bundles + fibrils * (rayleigh - bundles);
-    let fade = |depth: DVec3| (-depth).exp();
-    let border = tissue.border + tissue.border_melanin * surface.texel.melanin;
-    let mut scattered = phase(tissue.border_fibrils)
-        * layer_segment_scatter(
-            border,
-            tissue.border_scattering,
-            surface.border,
-            0.0,
-            BORDER_LAYER_MM * ways[0],
-        );
-    let mut passed = fade(border * surface.border) * phase(tissue.stroma_fibrils);
-    let segments = surface.begins.into_iter().zip(surface.lengths);
-    for ((begins, length), way) in segments.zip(ways) {
-        let ends = begins + length * surface.direction.z.max(0.35);
-        let covered = fade(border * (BORDER_LAYER_MM * way));
-        scattered += passed
-            * covered
-            * layer_segment_scatter(
-                tissue.stroma,
-                tissue.stroma_scattering,
-                length,
-                begins * way,
-                ends * way,
-            );
-        passed *= fade(tissue.stroma * length);
+    let from_border = tissue.border_scattering * phase(tissue.border_fibrils);
+    let from_stroma = tissue.stroma_scattering * phase(tissue.stroma_fibrils);
+    let (down, up) = (surface.direction.z.max(0.35), (-towards.z).max(0.25));
+    let (mut scattered, mut passed) = (DVec3::ZERO, DVec3::ONE);
+    let (mut begins, mut ends) = (0.0, surface.border);
+    for i in 0..=march.segments {
+        let along = 0.5 * (begins + ends);
+        let (map, lod) = (&maps.relief, surface.lod);
+        let aside = surface.direction.truncate() * along;
+        // Where light is looked for further aside, it is so from there.
+        let place = if march.looks > 0 {
+            iris_place(surface.at + aside, iris)
+        } else {
+            IrisPlace {
+                uv: iris_step(iris, &surface.place, aside),
+                ..surface.place
+            }
+        };
+        let there = iris_texel(map, iris, place.uv, lod);
+        let under = down * along - surface.texel.height;
+        let depth = under + there.height;
+        // What of the segment lies in the border layer and what in the stroma, before the black epithelium.
+        let half = 0.5 * down * (ends - begins);
+        let back = there.thickness.max(BORDER_LAYER_MM);
+        let [low, high] = [depth - half, depth + half].map(|depth| depth.clamp(0.0, back));
+        let in_border = (high.min(BORDER_LAYER_MM) - low.min(BORDER_LAYER_MM)) / down;
+        let in_stroma = (high.max(BORDER_LAYER_MM) - low.max(BORDER_LAYER_MM)) / down;
+        let border = tissue.border + tissue.border_melanin * there.melanin;
+        let takes = border * in_border + tissue.stroma * in_stroma;
+        // Light's way to its middle.
+        let way = match march.looks {
+            // So little of it lies in the border layer that it crosses the relief next to it.
+            _ if i == 0 => DVec2::new(depth.max(0.01) / up, there.melanin),
+            0 => {
+                let from = &surface.place;
+                relief_way(map, iris, from, aside, under, depth, towards, lod)
+            }
+            looks => relief_way_by_looks(map, iris, &place, under, towards, lod, looks),
+        };
+        let dims = tissue.border + tissue.border_melanin * way.y;
+        let share = way.x / depth.max(0.01);
+        let [arrives, leaves] =
+            [low, high].map(|depth| iris_light_depth(dims, tissue.stroma, depth, share));
+        let gathered = (1.0 + gathers * under / up).clamp(0.5, 2.0);
+        scattered += gathered
+            * passed
+            * (from_border * in_border + from_stroma * in_stroma)
+            * layer_mean_transmittance(arrives, leaves + takes);
+        // Behind it lies the black epithelium.
+        passed *= (-takes).exp() * ((there.thickness - depth) / (2.0 * half) + 0.5).clamp(0.0, 1.0);
+        // Shorter ones first, where more is left of the light.
+        let part = (i + 1) as f64 / march.segments as f64;
+        begins = ends;
+        ends = mix(surface.border, surface.reach, part * part.sqrt());
     }
     tissue.weights * scattered
 }
 
 /// What the iris sends back of a lamp with an irradiance / π of one, of which this arrives
-/// ([`crate::appearance::light_table::iris_light`]).
+/// ([`crate::appearance::light_table::iris_light`]) and gathers ([`super::near_light::beam_gathers`]).
+#[expect(clippy::too_many_arguments, reason = "the shader twin's argument list")]
 pub fn iris_lamp(
     maps: &IrisMaps,
     iris: &IrisFrame,
     tissue: &IrisTissue,
     surface: &IrisSurface,
     arrives: DVec4,
+    gathers: f64,
+    march: &IrisMarch,
 ) -> DVec3 {
     let towards = arrives.truncate();
     // Across the beam, from the plane of the iris.
     let across = arrives.w / (-towards.z).max(0.2);
-    let ways = iris_ways(maps, iris, surface, towards);
-    let once =
-        iris_scattered_once(tissue, surface, towards, &ways) * (core::f64::consts::PI * across);
+    let once = iris_scattered_once(maps, iris, tissue, surface, towards, gathers, march)
+        * (core::f64::consts::PI * across);
     let spread = across * surface.smooth_normal.dot(towards).max(0.0);
     let again = spread * iris_reflectance(maps, surface, towards.z, Scattered::Again);
     (once.max(DVec3::ZERO) + again) * iris_covered(&surface.texel)
@@ -282,7 +273,7 @@ pub fn iris_and_pupil(pupil: DVec3, iris: DVec3, light: DVec3, edge: f64, v: f64
 
 #[cfg(test)]
 mod tests {
-    use super::super::iris_relief::RELIEF_STEPS;
+    use super::super::iris_relief::IRIS_MARCH_FAST;
     use super::*;
     use crate::frame::mips::chain;
     use crate::tissue::iris_layers::forward_layers;
@@ -322,20 +313,27 @@ mod tests {
             let sine = (1.0 - cosine * cosine).sqrt();
             DVec3::new(sine * turn.cos(), sine * turn.sin(), -cosine)
         };
-        let place = super::super::iris_relief::iris_place(DVec2::new(3.5, 0.0), &frame());
         let direction = -slanted(out, 0.0);
+        let point = DVec2::new(3.5, 0.0);
         let surface = iris_surface(
             maps,
             &frame(),
-            DVec2::new(3.5, 0.0),
+            point,
+            &iris_place(point, &frame()),
             direction,
-            &place,
             0.01,
-            RELIEF_STEPS,
+            &IRIS_MARCH_FAST,
         );
         let towards = slanted(into, turn);
-        let ways = iris_ways(maps, &frame(), &surface, towards);
-        iris_scattered_once(tissue, &surface, towards, &ways)
+        iris_scattered_once(
+            maps,
+            &frame(),
+            tissue,
+            &surface,
+            towards,
+            0.0,
+            &IRIS_MARCH_FAST,
+        )
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::appearance::shading::iris_relief::{
     IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm,
 };
 use crate::appearance::shading::iris_shade::{
-    IRIS_SPREAD_MM, IrisSurface, STROMA_SEGMENTS, Scattered, iris_covered, iris_reflectance,
+    IRIS_SPREAD_MM, IrisSurface, Scattered, iris_covered, iris_reflectance,
 };
 use crate::appearance::shading::near_light::light_entry;
 use crate::optics::caustic::near_irradiance;
@@ -95,10 +95,7 @@ impl IrisPicture {
             smooth_texel: self.texel(over, spread),
             smooth_normal: self.normal(over, seen.footprint.max(IRIS_SPREAD_MM), spread),
             border: 0.0,
-            alongs: [0.0; STROMA_SEGMENTS],
-            depths: [0.0; STROMA_SEGMENTS],
-            begins: [0.0; STROMA_SEGMENTS],
-            lengths: [0.0; STROMA_SEGMENTS],
+            reach: 0.0,
         }
     }
 

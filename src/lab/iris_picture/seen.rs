@@ -7,14 +7,16 @@ use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
 use crate::appearance::shading::iris_relief::{
-    IrisFrame, IrisPlace, RELIEF_STEPS, furrow_depth, iris_place, tagged_pupil, thicken,
+    IrisFrame, IrisMarch, IrisPlace, furrow_depth, iris_place, tagged_pupil, thicken,
 };
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
 use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lids_at};
 use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
-use crate::appearance::shading::near_light::{iris_near_lamp, light_entry};
+use crate::appearance::shading::near_light::{
+    beam_gathers, crosses_plane, iris_near_lamp, light_entry,
+};
 use crate::appearance::shading::surroundings::{
     ambient_light, lamp_from, lamp_radiance, surroundings_radiance,
 };
@@ -303,17 +305,17 @@ impl IrisPicture {
     }
 
     /// What the camera gets, by the shader's own closed forms.
-    pub fn by_closed_forms(&self, seen: &SeenIris) -> DVec3 {
+    pub fn by_closed_forms(&self, seen: &SeenIris, march: &IrisMarch) -> DVec3 {
         let point = seen.trace.point.truncate();
         let (maps, frame) = (&self.maps, &self.frame);
         let surface = iris_surface(
             maps,
             frame,
             point,
-            seen.trace.direction,
             &seen.start,
+            seen.trace.direction,
             seen.footprint,
-            RELIEF_STEPS,
+            march,
         );
         let [mut lit, mut light] = self.sky(&surface);
         let place = surface.at.extend(self.iris_depth());
@@ -334,16 +336,27 @@ impl IrisPicture {
                     limbus,
                 );
             }
-            let arrives: DVec4 = iris_light(&maps.light, direction, surface.at, root, limbus);
-            let enters = light_entry(place, arrives.truncate(), surface_of);
-            if lamp.vergence > 0.0 {
-                radius *= lamp_from(&lamp, self.apex() + enters).1;
-            }
+            let crosses =
+                crosses_plane(surface.at, surface.texel.height, direction, self.aqueous());
+            let arrives: DVec4 = iris_light(&maps.light, direction, crosses, root, limbus);
+            let plane = crosses.extend(self.iris_depth());
+            let enters = light_entry(plane, arrives.truncate(), surface_of);
+            let nearer = lamp_from(&lamp, self.apex() + enters).1;
+            radius *= nearer;
+            let vergence = f64::from(lamp.vergence) * nearer;
+            let gathers = beam_gathers(
+                enters,
+                plane,
+                direction,
+                surface_of,
+                self.aqueous(),
+                vergence,
+            );
             let passes = stronger * self.lids_leave(enters, direction, radius);
             light += lamp.color.as_dvec3() * (passes * (-direction.z).max(0.0));
             lit += lamp.color.as_dvec3()
                 * passes
-                * iris_lamp(maps, frame, &self.tissue, &surface, arrives);
+                * iris_lamp(maps, frame, &self.tissue, &surface, arrives, gathers, march);
         }
         self.shown(seen, lit, light)
     }

@@ -76,7 +76,8 @@ fn a_segment_equals_a_fine_march_whichever_way_the_light_shortens() {
         (1e-7, 0.1, 0.1),
         (0.5, 2.0, 0.0),
     ] {
-        let got = layer_segment_scatter(extinction, scattering, length, start, end);
+        let mean = layer_mean_transmittance(extinction * start, extinction * (end + length));
+        let got = scattering * length * mean;
         for i in 0..3 {
             let expected = scattering[i]
                 * length
@@ -255,8 +256,7 @@ proptest! {
         let value = stack_reflect_once(&layers, cos_in, cos_out, cos_scatter);
         prop_assert!(value.is_finite() && value >= 0.0, "{value}");
         let n = |i: usize| DVec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
-        let d = numbers[8];
-        let value = layer_segment_scatter(n(0), n(3), d, cos_in, cos_out);
+        let value = layer_mean_transmittance(n(0) * numbers[8], n(3) * cos_in);
         prop_assert!(value.is_finite() && value.min_element() >= 0.0, "{value}");
         let diffuse = stack_diffuse_reflectance_once(&layers);
         prop_assert!((0.0..=1.0).contains(&diffuse), "{diffuse}");
