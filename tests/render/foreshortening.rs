@@ -8,7 +8,7 @@ use ocularium::lab::headless::{Headless, Which};
 use ocularium::patients::{PatientFile, PupilSetting};
 use ocularium::stage::SessionCommand;
 
-const SIDE: u32 = 512;
+const SIDE: u32 = 1024;
 
 /// Width over height of the dark patch about the middle of the picture: the extents of what is
 /// joined to its darkest place and hardly lighter: under the lid's shadow a wide pupil's iris is not much lighter.
@@ -79,7 +79,7 @@ fn a_pupil_looks_as_narrow_from_the_side_as_living_ones_do() {
     let size = UVec2::splat(SIDE);
     let mut headless = open(session(file.clone(), 3), size, size, [true, false]);
     // Mathur, Gehrmann & Atchison 2013: 0.99 cos((φ + 5.3°)/1.121), φ from the line of sight and
-    // negative on the temple's side: 0.849 and 0.754. A pixel of 73 is 0.014, and the optics alone
+    // negative on the temple's side: 0.849 and 0.754. A pixel of 147 is 0.007, and the optics alone
     // miss the fit by up to 0.02 (src/optics/pupil/tests.rs).
     let [temporal, nasal] = ratios(&mut headless, file.clone());
     println!("{temporal:.3} from the temple, {nasal:.3} from the nose");

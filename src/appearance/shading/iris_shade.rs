@@ -221,7 +221,6 @@ pub fn iris_scattered_once(
 
 /// What the iris sends back of a lamp with an irradiance / π of one, of which this arrives
 /// ([`crate::appearance::light_table::iris_light`]) and gathers ([`super::near_light::beam_gathers`]).
-#[expect(clippy::too_many_arguments, reason = "the shader twin's argument list")]
 pub fn iris_lamp(
     maps: &IrisMaps,
     iris: &IrisFrame,
