@@ -103,7 +103,7 @@ fn in_turns(running: &mut [Headless], count: usize) -> Vec<f64> {
     times.iter_mut().map(|times| median(times)).collect()
 }
 
-/// Measures an eye whose lids and gaze move, by lamps and by distance, `count` frames of each.
+/// Measures an eye whose lids and gaze move, by lamps and by distance, `count` frames of each, one sample a pixel.
 ///
 /// # Errors
 /// Where there is no device.
@@ -125,6 +125,7 @@ pub fn cases(
             session.light = PanelLight::Scene;
         }
         let mut headless = Headless::new(session, [UVec2::splat(SIDE); 2], [true, false])?;
+        headless.set_quality(EyeQuality::PLAIN);
         headless.set_orbit(EyeOrbit {
             distance_mm,
             ..default()
