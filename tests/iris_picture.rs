@@ -40,8 +40,8 @@ fn the_iris_is_drawn_as_light_goes_through_it() {
     }
 }
 
-/// Sixty-four steps everywhere, in place of a few by what a pixel shows, change the picture, and by next to nothing; they take
-/// longer (bench has how much: what else runs here is no measure).
+/// Sixty-four steps and segments everywhere, in place of a few by what a pixel shows, change the picture, and by next to nothing. How
+/// much longer they take is for bench to say.
 #[test]
 fn few_steps_are_as_good_as_many() {
     use ocularium::lab::eye_frames::fixed_steps;
@@ -62,5 +62,4 @@ fn few_steps_are_as_good_as_many() {
         found.fast_rms_share > found.full_rms_share && found.fast_rms_share < 0.025,
         "{found:?}"
     );
-    assert!(found.slower() > 2.0, "{found:?}");
 }

@@ -4,7 +4,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use ocularium::appearance::{EyeOrbit, StudioLight};
+use ocularium::appearance::{EyeOrbit, EyeQuality, StudioLight};
 use ocularium::lab::headless::Headless;
 use ocularium::patients::{FIELDS, PRESETS, PatientFile, load_patient};
 use ocularium::scene::catalog::{BuiltIn, LoadedScene};
@@ -69,7 +69,9 @@ fn no_legal_eye_has_a_pixel_that_is_no_number() {
         let (mut headless, image) =
             Headless::with_radiance(session, UVec2::splat(SIDE)).expect("a device");
         let own = (wanted + lights.len() as u32 - 1 - at as u32) / lights.len() as u32;
-        for _ in 0..own {
+        for number in 0..own {
+            let quality = [EyeQuality::default(), EyeQuality::PLAIN][number as usize % 2];
+            headless.set_quality(quality);
             let patient = legal_patient(&mut rng);
             let orbit = EyeOrbit {
                 azimuth_deg: rng.random_range(-85.0..=85.0),
@@ -85,7 +87,7 @@ fn no_legal_eye_has_a_pixel_that_is_no_number() {
             let wrong = wrong_pixels(&headless, &image);
             assert!(
                 wrong.is_empty(),
-                "{} pixels, the first {:?}: {light:?} {orbit:?} {said}",
+                "{} pixels, the first {:?}: {light:?} {quality:?} {orbit:?} {said}",
                 wrong.len(),
                 wrong.first()
             );

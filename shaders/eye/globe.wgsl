@@ -114,7 +114,7 @@ struct Globe {
 @group(#{MATERIAL_BIND_GROUP}) @binding(8) var vessel_map: texture_2d<f32>;
 
 #ifdef FIXED_STEPS
-// The plain way, to be measured against: this many steps everywhere, and nothing left out.
+// The plain way, to be measured against: as many steps and segments everywhere, and nothing left out.
 const MARCH = IRIS_MARCH_FIXED;
 const SKIPS: bool = false;
 #else
@@ -254,12 +254,13 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         let cornea = vec2f(globe.anterior_radius_mm, globe.anterior_p);
         let plane = vec3f(crosses, globe.iris_depth_mm);
         let enters = light_entry(plane, arrives.xyz, cornea);
-        let gathers = beam_gathers(enters, plane, lamp.direction, cornea, globe.aqueous_index, lamp.vergence);
+        var gathers = beam_gathers(enters, plane, lamp.direction, cornea, globe.aqueous_index, lamp.vergence);
         let lids = lids_at(head_from_eye() * (enters + apex));
         let color = lamp.color * lid_lamp(lids, head_from_eye() * lamp.direction, lamp.radius);
         var concentrated = 1.0;
 #ifdef ARTISTIC
         concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
+        gathers *= globe.look.caustic_scale;
 #endif
         if edge > 0.0 || !SKIPS {
             lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives, gathers, MARCH);

@@ -47,7 +47,9 @@ fn beam_gathers(entry: vec3f, point: vec3f, light: vec3f, surface: vec2f, n: f32
     let power = n * inside - outside;
     let sagittal = (power / across - vergence) / n;
     let tangential = (power / along - vergence * outside * outside) / (n * inside * inside);
-    return sagittal / max(1.0 - sagittal * path, 0.2) + tangential / max(1.0 - tangential * path, 0.2);
+    let growth = sagittal / max(1.0 - sagittal * path, 0.2) + tangential / max(1.0 - tangential * path, 0.2);
+    // Light that found no entry has no way of its own.
+    return select(0.0, growth, path > 1e-6);
 }
 
 // A lamp (its direction in the eye frame) as it is where its light to `point` of the iris enters the cornea, with the light that

@@ -156,7 +156,8 @@ fn skin_lamp_sheen(n: vec3f, v: vec3f, tissue: vec4f, roughness: f32, l: vec3f, 
 // irradiance / pi about where a mirror looks, `mirrored` the radiance from there.
 fn skin_specular(lamps: vec3f, ambient: vec3f, mirrored: vec3f, n: vec3f, v: vec3f, tissue: vec4f) -> vec3f {
     let wet = clamp(tissue.r, 0.0, 1.0);
-    let cosine = max(dot(n, v), 0.0);
+    // Rounding may make it more than one, of whose rest no power is a number.
+    let cosine = clamp(dot(n, v), 0.0, 1.0);
     let dry = lamps + ambient * (0.022 + 0.16 * pow(1.0 - cosine, 5.0));
     let film = mirrored * (fresnel_dielectric(cosine, 1.0, 1.337) * 0.8);
     return mix(dry, film, wet * 0.7) * mix(0.25, 1.0, clamp(tissue.a, 0.0, 1.0));

@@ -241,9 +241,9 @@ pub struct Drawn {
     settled: bool,
     #[reflect(ignore)]
     unsettled_frames: u32,
-    /// What was drawn when all of it was there: which building of the eye, how smoothly.
+    /// What was drawn when all of it was there: which building of the eye, how finely.
     #[reflect(ignore)]
-    whole: Option<(u64, Msaa)>,
+    whole: Option<(u64, EyeQuality)>,
 }
 
 /// What of a camera decides whether it draws.
@@ -294,7 +294,13 @@ pub fn wake_cameras(
             || drawn.msaa != Some(quality.msaa)
             || (settled && !drawn.settled);
         // What others wait for, such as the view for a window's new size, is not the eye's to wait for.
-        let this = Some((parts.built(), quality.msaa));
+        let this = Some((
+            parts.built(),
+            EyeQuality {
+                shading: parts.shading,
+                ..*quality
+            },
+        ));
         let may = settled || drawn.unsettled_frames <= 2 || drawn.whole == this;
         let awake = panel.visible && changed && may;
         msaa.set_if_neq(quality.msaa);

@@ -113,7 +113,7 @@ struct Summary {
     eye: EyeCost,
     /// What its picture costs, by lamps and distance.
     eye_frames: Vec<EyeFrames>,
-    /// From the front and from 60° aside.
+    /// From the front, 30° and 60°.
     fixed_steps: Vec<FixedSteps>,
     /// What people cost whom nobody draws.
     crowds: Vec<CrowdCost>,

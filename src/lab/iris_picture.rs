@@ -392,7 +392,7 @@ pub fn iris_pictures(
         meaning: MEANING,
         notes: &[
             "Both are of the same eye: the maps, the lamps and the numbers are read back from the device.",
-            "What is scattered more than once, the sky's light, what surfaces mirror and how lids shade are the shader's own terms in              both; measure tissue has what is scattered more than once beside random walks.",
+            "What is scattered more than once, the sky's light, what surfaces mirror and how lids shade are the shader's own terms in both; measure tissue has what is scattered more than once beside random walks.",
             "Without an artist's choices and an arcus.",
             "place: the iris in 16 tiles, each laid over the same by paths.",
         ],

@@ -89,7 +89,7 @@ pub struct RenderReport {
     pub orbit_deg: Option<[f32; 2]>,
     /// Its distance from the cornea, mm; `None` where there is none.
     pub distance_mm: Option<f32>,
-    /// How its iris is computed, `fast` or `full`; `None` where there is none.
+    /// How its iris is computed, as [`EyeShading::name`](crate::appearance::EyeShading::name) has it; `None` where there is none.
     pub quality: Option<&'static str>,
     /// How much a corner of the view differs from its ring at least, 0 to 255; `None` where there is no view.
     pub threshold: Option<u8>,

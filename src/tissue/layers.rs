@@ -14,8 +14,8 @@
 //! out are equally dense, no overflow where they are not. Reflection by a layer is Chandrasekhar's
 //! single scattering (Radiative Transfer, 1960, §17), transmission his counterpart.
 //!
-//! The functions `layer_*` have twins in `shaders/lib/layers.wgsl`, one colour a channel; they
-//! leave out the phase function, which is one number for fixed directions ([`super::phase`]).
+//! [`layer_mean_transmittance`] has a twin in `shaders/lib/layers.wgsl`, one colour a channel. The phase function is one number
+//! for fixed directions ([`super::phase`]).
 //!
 //! **Range.** Coefficients and lengths from 0 to [`LARGEST`]; outside they are clamped and what is
 //! not a number counts as 0. A cosine of 0 or less means that the ray does not cross the layer: the

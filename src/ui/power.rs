@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::winit::{UpdateMode, WinitSettings};
 use std::time::Duration;
 
-/// Four samples a pixel where the machine draws them quickly, one where it does not.
+/// Four samples a pixel and the full iris where the machine draws them quickly, one and the fast iris where it does not.
 pub(super) fn choose_quality(
     time: Res<Time<Real>>,
     clock: Res<SimulationClock>,

@@ -173,4 +173,23 @@ fn skin() {
         [2e-6, 1e-5],
         (12, 2e-2),
     );
+    // Along its normal, where rounding makes cosines of more than one.
+    let along = |x: &[f64]| {
+        let n = v3(&x[6..]);
+        rgb(skin_shade::skin_specular(
+            v3(x),
+            v3(&x[3..]),
+            v3(&x[29..]),
+            n,
+            n,
+            v4(&x[12..]),
+        ))
+    };
+    compare(
+        "skin_specular",
+        "skin_specular(m, k, q, n, n, t)",
+        &along,
+        [2e-6, 1e-5],
+        (12, 2e-2),
+    );
 }

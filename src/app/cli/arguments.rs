@@ -213,7 +213,7 @@ pub(super) enum PanelArg {
 pub(super) enum QualityArg {
     /// One sample a pixel and the quicker iris, as a window has it where processors draw.
     Fast,
-    /// Four samples and the iris that is nearer to paths of light.
+    /// Four samples a pixel and the finer iris.
     Full,
 }
 

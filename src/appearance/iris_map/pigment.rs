@@ -8,10 +8,10 @@ use super::{DESIGN_WIDTH_MM, IrisMapSettings, turns_per_mm};
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 
-/// How much the sectors of a closed border layer differ in density.
+/// How much the sectors of a closed border layer differ in density (a choice).
 const SECTORS: f32 = 1.8;
 
-/// Least density of a closed border layer.
+/// Least density of a closed border layer, but towards the root (a choice: below it the stroma's blue shows in brown irises).
 const LEAST: f32 = 0.22;
 
 /// Paints all of it.
@@ -19,7 +19,7 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
     let grid = surface.grid;
     let (seed, cover) = (settings.seed ^ 0x61, settings.border_layer_cover);
     let blotches = canvas::slow_field(grid, |u, v| fbm(u * 9.0, v * 2.5, [9, 0], 4, seed));
-    // Sectors, a tenth of a turn and more wide, that are denser or barer than others.
+    // Sectors, most of them about a twelfth of a turn wide, that are denser or barer than others.
     let sectors = canvas::slow_field(grid, |u, v| fbm(u * 6.0, v * 0.9, [6, 0], 3, seed ^ 2));
     let columns: Vec<Column> = (0..grid.width)
         .map(|i| Column::new(settings, layout, grid.u(i)))
@@ -44,7 +44,7 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
             let ring = columns[column].ring(settings, v, tag + 0.3 * mottle);
             let own = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
             let brown = (cells + 0.3) * laid * bare;
-            // No place of a closed one is bare but towards the root.
+            // A closed one's own melanin is nowhere bare but towards the root.
             let least = LEAST * closed * smoothstep(0.95, 0.75, v);
             let own = lerp(least, 1.0, own.clamp(0.0, 1.0)) * settings.own_melanin;
             *value = lerp(own, brown, columns[column].sector(v, tag + 0.3 * mottle));

@@ -207,7 +207,7 @@ pub fn skin_specular(
     tissue: DVec4,
 ) -> DVec3 {
     let wet = tissue.x.clamp(0.0, 1.0);
-    let cosine = n.dot(v).max(0.0);
+    let cosine = n.dot(v).clamp(0.0, 1.0);
     let dry = lamps + ambient * (0.022 + 0.16 * (1.0 - cosine).powi(5));
     let film = mirrored * (fresnel_dielectric(cosine, 1.0, 1.337) * 0.8);
     dry.lerp(film, wet * 0.7) * mix(0.25, 1.0, tissue.w.clamp(0.0, 1.0))
