@@ -20,7 +20,7 @@ pub const fn pcg_hash(input: u32) -> u32 {
 /// Hashes a lattice point and a seed.
 #[must_use]
 pub const fn hash2(x: i32, y: i32, seed: u32) -> u32 {
-    pcg_hash((x as u32).wrapping_add(pcg_hash((y as u32).wrapping_add(pcg_hash(seed)))))
+    hash_in_row(x, row_hash(y, pcg_hash(seed)))
 }
 
 /// Maps a hash to `[0, 1)`, using its upper 24 bits, which an `f32` holds exactly.
@@ -81,11 +81,30 @@ impl HashStream {
 }
 
 const fn wrap(cell: i32, period: u32) -> i32 {
-    if period == 0 {
+    // A division is slow, and most cells are within the period.
+    if period == 0 || (cell >= 0 && cell < period as i32) {
         cell
     } else {
         cell.rem_euclid(period as i32)
     }
+}
+
+/// The cell of a coordinate, and how far across it the coordinate is. There are millions of calls in a map, hence no `floor`, which is a
+/// call of its own where a processor's oldest instructions must do.
+#[inline]
+fn cell_of(x: f32) -> (i32, f32) {
+    let cut = x as i32;
+    let cell = if cut as f32 > x { cut - 1 } else { cut };
+    (cell, x - cell as f32)
+}
+
+/// As [`hash2`] for all columns of a row: `row` is that of [`row_hash`].
+const fn hash_in_row(x: i32, row: u32) -> u32 {
+    pcg_hash((x as u32).wrapping_add(row))
+}
+
+const fn row_hash(y: i32, seed: u32) -> u32 {
+    pcg_hash((y as u32).wrapping_add(seed))
 }
 
 #[inline]
@@ -97,12 +116,10 @@ fn fade(t: f32) -> f32 {
 /// cells (0 = never).
 #[must_use]
 pub fn value_noise(x: f32, period: u32, seed: u32) -> f32 {
-    let cell = x.floor();
-    let at = |offset: i32| {
-        let lattice = wrap(cell as i32 + offset, period);
-        unit_f32(hash2(lattice, 0, seed)) * 2.0 - 1.0
-    };
-    lerp(at(0), at(1), fade(x - cell))
+    let (cell, across) = cell_of(x);
+    let row = row_hash(0, pcg_hash(seed));
+    let at = |offset: i32| unit_f32(hash_in_row(wrap(cell + offset, period), row)) * 2.0 - 1.0;
+    lerp(at(0), at(1), fade(across))
 }
 
 /// Gradient noise in the plane, in `[-1, 1]`, zero at lattice points, mean 0; `period` is the
@@ -120,20 +137,19 @@ pub fn gradient_noise(x: f32, y: f32, period: [u32; 2], seed: u32) -> f32 {
         [0.0, -1.0],
         [DIAGONAL, -DIAGONAL],
     ];
-    let (cell_x, cell_y) = (x.floor(), y.floor());
-    let (fx, fy) = (x - cell_x, y - cell_y);
-    let corner = |offset_x: i32, offset_y: i32| {
-        let column = wrap(cell_x as i32 + offset_x, period[0]);
-        let row = wrap(cell_y as i32 + offset_y, period[1]);
-        let gradient = GRADIENTS[(hash2(column, row, seed) >> 29) as usize];
-        gradient[0] * (fx - offset_x as f32) + gradient[1] * (fy - offset_y as f32)
-    };
+    let ((cell_x, fx), (cell_y, fy)) = (cell_of(x), cell_of(y));
+    let seed = pcg_hash(seed);
+    let columns = [wrap(cell_x, period[0]), wrap(cell_x + 1, period[0])];
     let blend_x = fade(fx);
-    let value = lerp(
-        lerp(corner(0, 0), corner(1, 0), blend_x),
-        lerp(corner(0, 1), corner(1, 1), blend_x),
-        fade(fy),
-    );
+    let along = |offset_y: i32| {
+        let row = row_hash(wrap(cell_y + offset_y, period[1]), seed);
+        let ends = [0, 1].map(|i| {
+            let [x, y] = GRADIENTS[(hash_in_row(columns[i], row) >> 29) as usize];
+            x * (fx - i as f32) + y * (fy - offset_y as f32)
+        });
+        lerp(ends[0], ends[1], blend_x)
+    };
+    let value = lerp(along(0), along(1), fade(fy));
     // Unit gradients reach 1/sqrt(2) in the middle of a cell at most.
     value * core::f32::consts::SQRT_2
 }
@@ -159,31 +175,31 @@ pub fn fbm(x: f32, y: f32, period: [u32; 2], octaves: u32, seed: u32) -> f32 {
 /// scattered one per cell, and a number in `[0, 1)` that names the nearest.
 #[must_use]
 pub fn worley(x: f32, y: f32, period: [u32; 2], seed: u32) -> Cellular {
-    let (cell_x, cell_y) = (x.floor(), y.floor());
-    let mut found = Cellular {
-        nearest: f32::MAX,
-        second: f32::MAX,
-        id: 0.0,
-    };
+    let ((cell_x, _), (cell_y, _)) = (cell_of(x), cell_of(y));
+    let seed = pcg_hash(seed);
+    let columns = [-1, 0, 1].map(|offset| wrap(cell_x + offset, period[0]));
+    // Squares of distances, and the hash of the nearest.
+    let (mut nearest, mut second, mut name) = (f32::MAX, f32::MAX, 0);
     for offset_y in -1..=1 {
-        for offset_x in -1..=1 {
-            let column = wrap(cell_x as i32 + offset_x, period[0]);
-            let row = wrap(cell_y as i32 + offset_y, period[1]);
-            let hash = hash2(column, row, seed);
-            let px = cell_x + offset_x as f32 + unit_f32(hash);
-            let py = cell_y + offset_y as f32 + unit_f32(pcg_hash(hash));
-            // Not `hypot`: a square root is rounded alike everywhere.
-            let distance = ((px - x) * (px - x) + (py - y) * (py - y)).sqrt();
-            if distance < found.nearest {
-                found.second = found.nearest;
-                found.nearest = distance;
-                found.id = unit_f32(pcg_hash(hash ^ 0x5bd1_e995));
-            } else if distance < found.second {
-                found.second = distance;
+        let row = row_hash(wrap(cell_y + offset_y, period[1]), seed);
+        for (offset_x, column) in (-1..=1).zip(columns) {
+            let hash = hash_in_row(column, row);
+            let px = (cell_x + offset_x) as f32 + unit_f32(hash);
+            let py = (cell_y + offset_y) as f32 + unit_f32(pcg_hash(hash));
+            let square = (px - x) * (px - x) + (py - y) * (py - y);
+            if square < nearest {
+                (second, nearest, name) = (nearest, square, hash);
+            } else if square < second {
+                second = square;
             }
         }
     }
-    found
+    Cellular {
+        // A square root is rounded alike everywhere, as `hypot` is not.
+        nearest: nearest.sqrt(),
+        second: second.sqrt(),
+        id: unit_f32(pcg_hash(name ^ 0x5bd1_e995)),
+    }
 }
 
 /// What [`worley`] finds.
