@@ -31,7 +31,12 @@ fn look_at_her(mut commands: Commands, size: Res<PictureSize>) {
     let ann = commands
         .spawn((Patient::preset("healthy-blue"), Cataract::nuclear(0.0)))
         .id();
-    commands.spawn((EyeModel(ann), Transform::from_translation(PLACE)));
+    commands.spawn((
+        EyeModel(ann),
+        // Her cornea mirrors the room, as her eye sees it.
+        EyeProbe::default(),
+        Transform::from_translation(PLACE),
+    ));
     // An examiner's lamp beside the camera, so that there is something to see in her pupil.
     commands.spawn((
         PointLight {

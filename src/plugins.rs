@@ -24,7 +24,9 @@ pub mod prelude {
         Laterality, Lens, Lids, Look, OcularMedia, Patient, Pupil, PupilControl, Refraction,
         Sclera, Skin,
     };
-    pub use crate::appearance::{EyeLight, EyeModel, EyeSurroundings, Studio, StudioLight};
+    pub use crate::appearance::{
+        EyeLight, EyeModel, EyeProbe, EyeSurroundings, Studio, StudioLight,
+    };
     pub use crate::conditions::{
         AddCondition, Cataract, Condition, Glaucoma, GlaucomaStage, Ptosis,
     };

@@ -15,6 +15,7 @@ mod moving_models;
 mod people;
 mod percept_gpu;
 mod photographs;
+mod probes;
 mod render;
 mod resized_view;
 mod rooms;

@@ -17,6 +17,15 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
     image_of(levels, data, TextureFormat::Rgba16Float, wrap)
 }
 
+/// Colours of an RGBA16F picture that was read back; what is not a whole texel at its end is left out.
+pub(super) fn f16_texels(data: &[u8]) -> Vec<[f32; 3]> {
+    let texels = data.chunks_exact(8);
+    let value = |bytes: &[u8], at: usize| f16::from_le_bytes([bytes[at], bytes[at + 1]]).to_f32();
+    texels
+        .map(|bytes| [0, 2, 4].map(|at| value(bytes, at)))
+        .collect()
+}
+
 /// The same as RGBA8 of numbers within `±range`, which stand as 0 to 1: half the bytes, and a software rasteriser reads it in
 /// half the time.
 pub fn byte_map_image(levels: &[Level], range: f32, wrap: bool) -> Image {

@@ -1,6 +1,7 @@
 //! How finely the skin of each eye is divided: by the camera in whose picture it is largest.
 
 use super::model::{EyeModel, EyeParts, METRES_A_MM};
+use super::probe::ProbeCamera;
 use super::region_parts::level_for;
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
@@ -23,7 +24,8 @@ fn pixels_at(distance: f32, clip_from_view: Mat4, height_px: f32) -> f32 {
 /// Chooses the levels; an eye that gets another one is posed anew.
 pub fn choose_levels(
     mut models: Query<(&mut EyeParts, &GlobalTransform, Option<&RenderLayers>), With<EyeModel>>,
-    cameras: Query<(&Camera, &GlobalTransform, Option<&RenderLayers>)>,
+    // A probe's cameras stand within the eye.
+    cameras: Query<(&Camera, &GlobalTransform, Option<&RenderLayers>), Without<ProbeCamera>>,
 ) {
     for (mut parts, place, layers) in &mut models {
         let layers = layers.cloned().unwrap_or_default();

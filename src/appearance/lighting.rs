@@ -3,6 +3,7 @@
 use super::eye_camera::{EyeCamera, EyeOrbit};
 use super::illumination::{Illumination, Lamp, MOST_LAMPS};
 use super::model::{EyeAssets, EyeLight, EyeParts, EyeSurroundings, METRES_A_MM};
+use super::probe::Probed;
 use super::studio::Studio;
 use super::surroundings::Surroundings;
 use bevy::camera::visibility::RenderLayers;
@@ -156,16 +157,24 @@ impl WorldLights<'_, '_> {
         lights
     }
 
-    /// The world's lights at a place as what surrounds an eye there: the strongest as lamps, the rest and the
-    /// ambient light from everywhere.
-    fn surroundings(&self, place: &GlobalTransform, layers: Option<&RenderLayers>) -> Surroundings {
-        let lights = self.at(place, layers);
-        let mut around = Vec3::ZERO;
-        if let Some(ambient) = &self.ambient {
-            around += linear(ambient.color) * ambient.brightness;
+    /// The ambient light of the world, from everywhere.
+    fn even(&self) -> Surroundings {
+        let ambient = self.ambient.as_ref();
+        let around = ambient.map_or(Vec3::ZERO, |own| linear(own.color) * own.brightness);
+        Surroundings {
+            is_luminance: true,
+            ..Surroundings::even(around)
         }
-        let mut found = Surroundings::even(around);
-        found.is_luminance = true;
+    }
+
+    /// Adds the world's lights at a place to what surrounds an eye there: the strongest as lamps, the rest from around.
+    fn shine(
+        &self,
+        place: &GlobalTransform,
+        layers: Option<&RenderLayers>,
+        mut found: Surroundings,
+    ) -> Surroundings {
+        let lights = self.at(place, layers);
         found.lamps = lights
             .iter()
             .take(MOST_LAMPS)
@@ -206,6 +215,7 @@ type Lightable<'a> = (
     Entity,
     &'a EyeLight,
     Option<&'a EyeSurroundings>,
+    Option<&'a Probed>,
     &'a GlobalTransform,
     &'a Visibility,
     Option<&'a RenderLayers>,
@@ -219,7 +229,7 @@ pub fn light_eyes(
     lights: WorldLights,
     mut assets: EyeAssets,
 ) {
-    for (entity, light, own, place, visibility, layers, mut parts) in &mut models {
+    for (entity, light, own, probed, place, visibility, layers, mut parts) in &mut models {
         if *visibility == Visibility::Hidden {
             continue;
         }
@@ -233,9 +243,20 @@ pub fn light_eyes(
             (LitBy::Studio(_), Some(lit)) => lit.around.clone(),
             (LitBy::Studio(studio), None) => Arc::new(studio.surroundings()),
             (LitBy::Own, _) if let Some(own) = own => own.0.clone(),
-            (LitBy::World | LitBy::Own, _) => Arc::new(lights.surroundings(place, layers)),
+            // The lamps of the world are added below, as they move more often than the map changes.
+            (LitBy::World | LitBy::Own, _) => match probed.and_then(Probed::around) {
+                Some(around) => around.clone(),
+                None => Arc::new(lights.even()),
+            },
         };
-        let mut illumination = around.illumination();
+        let mut illumination = match of {
+            LitBy::Studio(_) => around.illumination(),
+            LitBy::Own if own.is_some() => around.illumination(),
+            LitBy::World | LitBy::Own => {
+                let bare = around.without_map();
+                lights.shine(place, layers, bare).illumination()
+            }
+        };
         if let LitBy::Studio(studio) = of
             && studio.light.is_on_the_lens()
             && let Some((_, orbit)) = cameras.iter().find(|(camera, _)| camera.0 == entity)

@@ -38,6 +38,7 @@ pub mod materials;
 mod mesh_fill;
 pub(crate) mod model;
 mod pose;
+mod probe;
 mod region_parts;
 #[doc(hidden)]
 pub mod sclera_map;
@@ -54,6 +55,7 @@ pub use eye_camera::{EyeCamera, EyeOrbit, EyeQuality, EyeShading, eye_camera};
 pub use illumination::Lamp;
 pub use materials::{GlobeMaterial, HairMaterial, MeniscusMaterial, SkinMaterial};
 pub use model::{EyeDetail, EyeLight, EyeModel, EyeParts, EyeSurroundings};
+pub use probe::{EyeProbe, Probed};
 pub use studio::{Studio, StudioLight};
 
 use crate::frame::EyeSystems;
@@ -75,14 +77,18 @@ impl Plugin for AppearancePlugin {
         .register_type::<EyeDetail>()
         .register_type::<EyeLight>()
         .register_type::<EyeSurroundings>()
+        .register_type::<EyeProbe>()
         .register_type::<EyeCamera>()
         .register_type::<EyeOrbit>()
         .register_type::<EyeQuality>()
         .init_resource::<model::FaceRegion>()
+        .init_resource::<tissue_maps::LastStroma>()
         .add_observer(model::take_parts_away)
+        .add_observer(probe::take_cameras_away)
         .add_systems(
             Update,
             (
+                probe::take_probes,
                 lighting::light_eyes,
                 build::build_eyes,
                 pose::move_eyes,

@@ -47,6 +47,15 @@ impl Surroundings {
         }
     }
 
+    /// The same light without what is mirrored.
+    pub fn without_map(&self) -> Self {
+        Self {
+            levels: Vec::new(),
+            lamps: self.lamps.clone(),
+            ..*self
+        }
+    }
+
     /// A map of `side` texels of what `around` and the lamps' own `shining` say for each unit direction;
     /// the light of the lamps is left out of the irradiance, as lamps give it by themselves.
     pub fn new(

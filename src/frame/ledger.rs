@@ -76,6 +76,8 @@ ledger! {
     field_loss_passes,
     /// Passes that spread the veil of clouded media.
     veil_passes,
+    /// Pictures of the world taken from an eye's place for what it mirrors.
+    probe_pictures,
     /// Bytes of uniforms and maps sent to the GPU by us.
     bytes_uploaded,
 }
