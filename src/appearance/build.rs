@@ -247,6 +247,7 @@ impl Builder<'_, '_, '_, '_> {
         let mut store = ImageStore {
             images: &mut self.assets.images,
             ledger: self.ledger,
+            stroma: &mut self.assets.stroma.0,
         };
         let maps = &mut parts.maps;
         let [sclera_map, vessel_map] = maps.sclera(anatomy, fine, &mut store);
@@ -336,6 +337,7 @@ impl Builder<'_, '_, '_, '_> {
                 &mut ImageStore {
                     images: &mut self.assets.images,
                     ledger: self.ledger,
+                    stroma: &mut self.assets.stroma.0,
                 },
             ),
             illumination,

@@ -27,14 +27,16 @@ mod canvas;
 mod layout;
 mod pigment;
 mod strands;
+mod stroma;
 #[cfg(test)]
 mod tests;
 
 use canvas::{Canvas, Grid};
 use layout::Layout;
+pub use stroma::IrisStroma;
 
 use crate::optics::smoothstep::smoothstep;
-use crate::tissue::noise::{fbm, lerp, value_noise};
+use crate::tissue::noise::{lerp, value_noise};
 
 /// Pupil radius, mm, at which widths in millimetres are laid out.
 pub const DESIGN_PUPIL_RADIUS_MM: f32 = 1.75;
@@ -145,6 +147,18 @@ impl IrisMapSettings {
             border_layer_cover: unit_or(self.border_layer_cover, default.border_layer_cover),
         }
     }
+
+    /// The same stroma, bare.
+    fn without_pigment(&self) -> Self {
+        Self {
+            central_heterochromia: 0.0,
+            freckle_count: 0,
+            own_melanin: 0.0,
+            sector: [0.0; 2],
+            border_layer_cover: 0.0,
+            ..self.clone()
+        }
+    }
 }
 
 /// One place on the iris.
@@ -177,37 +191,7 @@ impl IrisMap {
     /// 8) texels; sizes are clamped to 8192. The same settings and size give the same map.
     #[must_use]
     pub fn new(settings: &IrisMapSettings, width: usize, height: usize) -> Self {
-        let settings = settings.clamped();
-        let grid = Grid {
-            width: width.clamp(16, 8192),
-            height: height.clamp(8, 8192),
-        };
-        let layout = Layout::new(&settings, grid);
-        let mut surface = strands::grow(&settings, &layout, grid);
-        if settings.border_layer_cover > 0.0 {
-            mat_over(&mut surface, &settings, &layout);
-        }
-        let thickness = scale_to_profile(&surface, &layout);
-        let melanin = pigment::paint(&settings, &layout, &surface);
-        let relief = front_surface(&thickness, grid);
-        let texels = (0..grid.len())
-            .map(|index| {
-                let furrow = FURROW_MM * layout.furrow[index];
-                texel_at(
-                    settings.seed,
-                    &thickness,
-                    &melanin,
-                    (&relief, furrow),
-                    grid,
-                    index,
-                )
-            })
-            .collect();
-        Self {
-            width: grid.width,
-            height: grid.height,
-            texels,
-        }
+        IrisStroma::new(settings, width, height).pigmented(settings)
     }
 
     /// The bilinear value at angle fraction `u` (any number of turns) and radial fraction `v`
@@ -280,36 +264,6 @@ fn radius_mm(v: f32) -> f32 {
 /// Turns per millimetre of arc at radial fraction `v`.
 fn turns_per_mm(v: f32) -> f32 {
     1.0 / (TAU * radius_mm(v))
-}
-
-/// The border layer as a felt that bridges narrow gaps: strands sink under it, wide crypts stay.
-fn mat_over(surface: &mut Canvas, settings: &IrisMapSettings, layout: &Layout) {
-    let grid = surface.grid;
-    let mut felt = surface.relief.clone();
-    canvas::blur(&mut felt, grid, 0.26, 0.30);
-    let seed = settings.seed ^ 0x51ab;
-    let patches = canvas::slow_field(grid, |u, v| {
-        0.5 + 0.5 * fbm(u * 12.0, v * 3.0, [12, 0], 3, seed ^ 3)
-    });
-    let humps = canvas::slow_field(grid, |u, v| {
-        0.04 * fbm(u * 60.0, v * 11.0, [60, 0], 2, seed ^ 9)
-    });
-    for j in 0..grid.height {
-        let v = grid.v(j);
-        for i in 0..grid.width {
-            let index = j * grid.width + i;
-            let u = grid.u(i);
-            let grain = 0.05 * fbm(u * 330.0, v * 56.0, [330, 0], 2, seed) + humps[index];
-            let open = 1.0 - 0.8 * layout.crypt[index];
-            let cover = settings.border_layer_cover * lerp(0.75, 1.15, patches[index]) * open;
-            let target = felt[index] * 1.04 + grain;
-            surface.relief[index] = lerp(
-                surface.relief[index],
-                target,
-                (0.9 * cover).clamp(0.0, 0.95),
-            );
-        }
-    }
 }
 
 /// Mean of each row and its neighbours, at least 0.05.
@@ -406,6 +360,6 @@ fn ruff_at(seed: u32, u: f32, v: f32) -> f32 {
     let girth = 0.024
         + 0.009 * value_noise(u * 13.0, 13, seed)
         + 0.007 * value_noise(u * 57.0, 57, seed ^ 1);
-    let edge = (girth + 0.003 * bead).max(0.006);
+    let edge = (girth + 0.003 * bead).max(0.012);
     smoothstep(edge + 0.008, edge - 0.008, v)
 }

@@ -2,7 +2,7 @@
 
 use super::build::Anatomy;
 use super::images::{byte_map_image, map_image};
-use super::iris_map::{IrisMap, IrisMapSettings};
+use super::iris_map::{IrisMapSettings, IrisStroma};
 use super::light_table::{LightTableSettings, LightTableSize, SKY_RADII};
 use super::materials::{GlobeUniform, LidMargins};
 use super::model::side;
@@ -23,6 +23,7 @@ use crate::tissue::sclera::{
 };
 use crate::tissue::skin::{SKIN_INDEX, SkinTissue, SkinVariation};
 use bevy::asset::{Assets, Handle};
+use bevy::ecs::resource::Resource;
 use bevy::image::Image;
 use bevy::math::{DVec2, Mat4, Vec3, Vec4};
 
@@ -67,6 +68,10 @@ pub(super) struct TissueMaps {
     skin: Kept<u64, 1>,
 }
 
+/// The stroma that was grown last: while its pigment is changed it need not grow again.
+#[derive(Resource, Debug, Default)]
+pub struct LastStroma(pub(super) Option<IrisStroma>);
+
 /// Images and what they were made of.
 type Kept<K, const N: usize> = Option<(K, [Handle<Image>; N])>;
 
@@ -74,6 +79,7 @@ type Kept<K, const N: usize> = Option<(K, [Handle<Image>; N])>;
 pub(super) struct ImageStore<'a> {
     pub(super) images: &'a mut Assets<Image>,
     pub(super) ledger: &'a WorkLedger,
+    pub(super) stroma: &'a mut Option<IrisStroma>,
 }
 
 impl ImageStore<'_> {
@@ -108,9 +114,12 @@ impl TissueMaps {
     ) -> Handle<Image> {
         let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
         let key = (iris_settings(anatomy.iris, seed), fine);
+        // By another one, so that both it and the store can be lent.
+        let mut grown = store.stroma.take();
         let [map] = store.kept(&mut self.iris, key, |(settings, fine)| {
-            [iris_image(settings, *fine)]
+            [iris_image(&mut grown, settings, *fine)]
         });
+        *store.stroma = grown;
         map
     }
 
@@ -152,12 +161,13 @@ impl TissueMaps {
     }
 }
 
-fn iris_image(settings: &IrisMapSettings, fine: bool) -> Image {
-    let map = IrisMap::new(
-        settings,
-        if fine { 2048 } else { 1024 },
-        if fine { 512 } else { 256 },
-    );
+fn iris_image(grown: &mut Option<IrisStroma>, settings: &IrisMapSettings, fine: bool) -> Image {
+    let (width, height) = if fine { (2048, 512) } else { (1024, 256) };
+    let last = grown
+        .take()
+        .filter(|last| last.fits(settings, width, height));
+    let stroma = last.unwrap_or_else(|| IrisStroma::new(settings, width, height));
+    let map = grown.insert(stroma).pigmented(settings);
     map_image(&map.levels(), true)
 }
 /// What the fundus sends back through clear media, linear sRGB.
@@ -209,8 +219,6 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
         ],
         border_layer_cover: 0.15 + 0.3 * share,
         central_heterochromia: 0.45 + 0.15 * ring,
-        crypt_density: 0.5 - 0.15 * share,
-        furrow_count: if share > 0.7 { 5 } else { 4 },
         ..IrisMapSettings::default()
     }
 }

@@ -14,13 +14,40 @@ const SECTORS: f32 = 1.8;
 /// Least density of a closed border layer, but towards the root (a choice: below it the stroma's blue shows in brown irises).
 const LEAST: f32 = 0.22;
 
+/// How the layer's cells crowd in one place and are sparse in another, whatever there is of them.
+#[derive(Clone, Debug)]
+pub(super) struct Mottles {
+    blotches: Vec<f32>,
+    /// Most of them about a twelfth of a turn wide.
+    sectors: Vec<f32>,
+    fine: Vec<f32>,
+}
+
+impl Mottles {
+    /// Those of one iris.
+    pub fn new(seed: u32, grid: Grid) -> Self {
+        let seed = seed ^ 0x61;
+        let fine = |index: usize| {
+            let (u, v) = (grid.u(index % grid.width), grid.v(index / grid.width));
+            fbm(u * 90.0, v * 16.0, [90, 0], 3, seed ^ 1)
+        };
+        Self {
+            blotches: canvas::slow_field(grid, |u, v| fbm(u * 9.0, v * 2.5, [9, 0], 4, seed)),
+            sectors: canvas::slow_field(grid, |u, v| fbm(u * 6.0, v * 0.9, [6, 0], 3, seed ^ 2)),
+            fine: (0..grid.len()).map(fine).collect(),
+        }
+    }
+}
+
 /// Paints all of it.
-pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canvas) -> Vec<f32> {
+pub(super) fn paint(
+    settings: &IrisMapSettings,
+    layout: &Layout,
+    surface: &Canvas,
+    mottles: &Mottles,
+) -> Vec<f32> {
     let grid = surface.grid;
-    let (seed, cover) = (settings.seed ^ 0x61, settings.border_layer_cover);
-    let blotches = canvas::slow_field(grid, |u, v| fbm(u * 9.0, v * 2.5, [9, 0], 4, seed));
-    // Sectors, most of them about a twelfth of a turn wide, that are denser or barer than others.
-    let sectors = canvas::slow_field(grid, |u, v| fbm(u * 6.0, v * 0.9, [6, 0], 3, seed ^ 2));
+    let cover = settings.border_layer_cover;
     let columns: Vec<Column> = (0..grid.width)
         .map(|i| Column::new(settings, layout, grid.u(i)))
         .collect();
@@ -28,22 +55,20 @@ pub(super) fn paint(settings: &IrisMapSettings, layout: &Layout, surface: &Canva
     for (row, line) in melanin.chunks_mut(grid.width).enumerate() {
         let v = grid.v(row);
         for (column, value) in line.iter_mut().enumerate() {
-            let u = grid.u(column);
             let index = row * grid.width + column;
             let (tag, relief) = (surface.tag[index] - 0.5, surface.relief[index]);
-            let blotch = blotches[index];
-            let mottle = fbm(u * 90.0, v * 16.0, [90, 0], 3, seed ^ 1);
+            let (blotch, mottle) = (mottles.blotches[index], mottles.fine[index]);
             // Where the layer covers all it is dense everywhere, down to the floors of the crypts.
             let closed = smoothstep(0.15, 0.6, cover);
-            let cells = lerp(0.38, 0.70, closed)
+            let cells = lerp(0.12, 0.70, closed)
                 + lerp(1.0, 2.05, closed) * (0.6 * blotch + 0.45 * mottle + 0.6 * tag)
-                + SECTORS * closed * sectors[index];
+                + SECTORS * closed * mottles.sectors[index];
             // The border layer lies on the crests and is missing over openings.
             let laid = lerp(lerp(0.5, 0.85, closed), 1.1, smoothstep(0.15, 0.75, relief));
             let bare = 1.0 - lerp(0.6, 0.1, closed) * layout.crypt[index];
             let ring = columns[column].ring(settings, v, tag + 0.3 * mottle);
             let own = (cells * lerp(1.0, 0.6, settings.central_heterochromia) + ring) * laid * bare;
-            let brown = (cells + 0.3) * laid * bare;
+            let brown = (cells + lerp(0.56, 0.3, closed)) * laid * bare;
             // A closed one's own melanin is nowhere bare but towards the root.
             let least = LEAST * closed * smoothstep(0.95, 0.75, v);
             let own = lerp(least, 1.0, own.clamp(0.0, 1.0)) * settings.own_melanin;
@@ -104,7 +129,7 @@ impl Column {
         let inner = lerp(0.55, 1.0, smoothstep(rim - 0.22, rim - 0.02, v));
         let across = (v - rim - 0.01) / 0.05;
         let ring = (-across * across).exp();
-        settings.central_heterochromia * 0.75 * out * inner + 0.14 * ring
+        settings.central_heterochromia * 1.1 * out * inner + 0.14 * ring
     }
 }
 
