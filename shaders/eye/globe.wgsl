@@ -239,7 +239,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     // The sky's light in the lids' shade where it comes from, before this place.
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let before = lids_at(head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
-    let around = ambient(-head_from_eye()[2]) * before.sky;
+    let around = ambient(-head_from_eye()[2]) * lid_sky_within(before, globe.iris_depth_mm, globe.aqueous_index);
     var lit = vec3f(0.0);
     if edge > 0.0 || !SKIPS {
         lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;

@@ -48,3 +48,17 @@ fn lid_lamp(shade: LidShade, light: vec3<f32>, radius: f32) -> f32 {
     let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * min(radius, 1.0);
     return smoothstep(-soft, soft, below) * shade.contact;
 }
+
+// What lids send on of the light that they keep from the iris.
+const LIDS_SEND: f32 = 0.25;
+
+// The share of a sky's irradiance within an aqueous of this index that is not behind an edge `gap` mm up and `depth` mm before.
+fn sky_past_edge(gap: f32, depth: f32, index: f32) -> f32 {
+    return 0.5 + 0.5 * clamp(index * gap / max(sqrt(gap * gap + depth * depth), 0.1), -1.0, 1.0);
+}
+
+// How much of the sky the lids leave to a place of the iris, `depth` mm behind their edges in an aqueous of this `index`, whose shade this is.
+fn lid_sky_within(shade: LidShade, depth: f32, index: f32) -> f32 {
+    let left = max(sky_past_edge(shade.upper_gap, depth, index) + sky_past_edge(shade.lower_gap, depth, index) - 1.0, 0.0);
+    return mix(LIDS_SEND, 1.0, left);
+}

@@ -275,7 +275,7 @@ fn the_lids() {
         "let p = vec3f(x[{}], x[{}], x[{}]); let at = lid_knot(p.x); \
          let s = lid_shade(LidSpan(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
          y[0] = s.sky; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
-         y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]);",
+         y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]); y[5] = lid_sky_within(s, 3.0, 1.336);",
         samples,
         samples + 1,
         samples + 2,
@@ -309,7 +309,8 @@ fn the_lids() {
                 let lids = LidMargins::new(heights(0), heights(LID_SAMPLES));
                 let s = lid_shade::lids_at(&lids, v3(&x[samples..]));
                 let lamp = lid_shade::lid_lamp(&s, v3(&x[samples + 3..]), x[samples + 6]);
-                vec![s.sky, s.contact, s.upper_gap, s.lower_gap, lamp]
+                let within = lid_shade::lid_sky_within(&s, 3.0, 1.336);
+                vec![s.sky, s.contact, s.upper_gap, s.lower_gap, lamp, within]
             },
             // A place among 31 intervals is good to 4e-6, between heights 2 mm apart.
             absolute: 2e-5,

@@ -61,9 +61,54 @@ pub fn lid_lamp(shade: &LidShade, light: DVec3, radius: f64) -> f64 {
     smoothstep(-soft, soft, below) * shade.contact
 }
 
+/// What lids send on of the light that they keep from the iris, against what would have come there: their edges and the lashes see half of the
+/// sky, and skin sends back about half of that.
+const LIDS_SEND: f64 = 0.25;
+
+/// How much of the sky the lids leave to a place of the iris, `depth` mm behind their edges in an aqueous of this `index`, whose shade this is:
+/// light comes there from all of the sky through a cone, of which an edge hides a half and more where it hangs before the place.
+pub fn lid_sky_within(shade: &LidShade, depth: f64, index: f64) -> f64 {
+    // The share of a sky's irradiance that is not behind a straight edge, by the sine of how far up it is seen.
+    let open = |gap: f64| {
+        let sine = gap / (gap * gap + depth * depth).sqrt().max(0.1);
+        0.5 + 0.5 * (index * sine).clamp(-1.0, 1.0)
+    };
+    let left = (open(shade.upper_gap) + open(shade.lower_gap) - 1.0).max(0.0);
+    mix(LIDS_SEND, 1.0, left)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_edge_hides_as_much_of_the_sky_from_the_iris_as_by_all_directions() {
+        let (depth, index) = (3.0, 1.336);
+        for gap in [-2.0, -0.5, 0.0, 0.7, 2.0, 5.0] {
+            // Even steps of the aqueous' cone over the plane of the iris.
+            let (mut open, mut all) = (0, 0);
+            for i in 0..800 {
+                for j in 0..800 {
+                    let at = [i, j].map(|k: i32| (f64::from(k) + 0.5) / 400.0 - 1.0);
+                    let [x, y] = at.map(|k| k / index);
+                    let sine2 = x * x + y * y;
+                    if sine2 < 1.0 / (index * index) {
+                        all += 1;
+                        open += i32::from(y / (1.0 - sine2).sqrt() * depth < gap);
+                    }
+                }
+            }
+            let shade = LidShade {
+                sky: 1.0,
+                contact: 1.0,
+                upper_gap: gap,
+                lower_gap: 1e6,
+            };
+            let exact = mix(LIDS_SEND, 1.0, f64::from(open) / f64::from(all));
+            let ours = lid_sky_within(&shade, depth, index);
+            assert!((ours - exact).abs() < 0.03, "{gap}: {ours} {exact}");
+        }
+    }
 
     /// Half of a lamp is left where the ray to its middle just passes an edge that stands before the margin.
     #[test]

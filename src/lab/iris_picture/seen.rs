@@ -12,7 +12,7 @@ use crate::appearance::shading::iris_relief::{
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
-use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lids_at};
+use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lid_sky_within, lids_at};
 use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
 use crate::appearance::shading::near_light::{
     beam_gathers, crosses_plane, iris_near_lamp, light_entry,
@@ -276,7 +276,7 @@ impl IrisPicture {
         let place = surface.at.extend(self.iris_depth()) + self.apex();
         let before = lids_at(&self.globe.lids, self.head_from_eye * place);
         let around = ambient_light(&self.illumination.ambient, -self.head_from_eye.z_axis);
-        let around = around * before.sky;
+        let around = around * lid_sky_within(&before, self.iris_depth(), self.aqueous());
         [iris_ambient(&self.maps, surface, arrives) * around, around]
     }
 
