@@ -33,7 +33,37 @@ fn furrow_depth(pupil_radius: f32) -> f32 {
     return sqrt(shortened * ((ROOT_RADIUS_MM - FLAT_PUPIL_RADIUS_MM) / (DESIGN_PUPIL_RADIUS_MM - FLAT_PUPIL_RADIUS_MM)));
 }
 
+// Height over the mean plane, thickness (mm) of border layer and stroma as if the latter were as dense everywhere, melanin.
 struct IrisTexel { height: f32, thickness: f32, melanin: f32 };
+
+// Thickness (mm) of the anterior border layer.
+const BORDER_LAYER_MM: f32 = 0.04;
+// Density of the stroma's bundles and of the mesh behind them, against the mean of the map, and the depth (mm of the map) of its back.
+const BUNDLE_DENSITY: f32 = 4.0;
+const MESH_DENSITY: f32 = 0.25;
+const STROMA_BACK_MM: f32 = 0.45;
+
+// Stroma that a reading has, mm as dense as the mean.
+fn stroma_of(texel: IrisTexel) -> f32 {
+    return max(texel.thickness - BORDER_LAYER_MM, 0.0);
+}
+
+// Depth (mm, from behind the border layer) of the bundles where there is so much stroma in all (mm as dense as the mean).
+fn bundle_depth(stroma: f32, iris: IrisFrame) -> f32 {
+    let mesh = MESH_DENSITY * STROMA_BACK_MM * iris.thicken;
+    return max(stroma - mesh, 0.0) / (BUNDLE_DENSITY - MESH_DENSITY);
+}
+
+// Depth (mm, from behind the border layer) of the black epithelium there.
+fn stroma_back(stroma: f32, iris: IrisFrame) -> f32 {
+    return min(stroma / MESH_DENSITY, STROMA_BACK_MM * iris.thicken);
+}
+
+// How much stroma (mm as dense as the mean) lies over this depth (mm, from behind the border layer) where there is so much in all.
+fn stroma_over(depth: f32, stroma: f32, iris: IrisFrame) -> f32 {
+    let bundles = bundle_depth(stroma, iris);
+    return clamp(BUNDLE_DENSITY * min(depth, bundles) + MESH_DENSITY * max(depth - bundles, 0.0), 0.0, stroma);
+}
 
 // Width (mm) of the iris from pupil to root.
 fn iris_width(iris: IrisFrame) -> f32 {
@@ -88,9 +118,9 @@ struct IrisMarch { fewest: f32, most: f32, reach: f32, segments: i32, looks: i32
 
 // By what a pixel shows, as far as a rasteriser on processors goes; the same as a picture that is to be kept has it;
 // and the plain way, which they are measured against.
-const IRIS_MARCH_FAST = IrisMarch(3.0, 16.0, 1.7, 4, 0);
-const IRIS_MARCH_FULL = IrisMarch(8.0, 48.0, 2.2, 12, 4);
-const IRIS_MARCH_FIXED = IrisMarch(64.0, 64.0, 2.2, 64, 4);
+const IRIS_MARCH_FAST = IrisMarch(3.0, 16.0, 1.3, 3, 0);
+const IRIS_MARCH_FULL = IrisMarch(8.0, 48.0, 1.6, 8, 4);
+const IRIS_MARCH_FIXED = IrisMarch(64.0, 64.0, 1.6, 64, 4);
 
 // How far (mm, on the iris plane) the refracted ray that lands at this place of it has moved where it meets the relief: the first
 // place where the ray is below the surface, by steps of two texels and two secants.
@@ -132,9 +162,9 @@ fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: I
 }
 
 // Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface and `under`
-// below its mean plane, the step `aside` from a place of it, and the melanin of the border layer where the light crossed it: by a
-// secant and a step of Newton's.
-fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, aside: vec2f, under: f32, depth: f32, towards: vec3f, lod: f32) -> vec2f {
+// below its mean plane, the step `aside` from a place of it; the melanin of the border layer where the light crossed it; and the
+// stroma (mm as dense as the mean) on its way: by a secant and a step of Newton's.
+fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, aside: vec2f, under: f32, depth: f32, towards: vec3f, lod: f32) -> vec3f {
     let up = max(-towards.z, 0.25);
     let deep = max(depth, 0.01);
     let first = deep / up;
@@ -142,27 +172,33 @@ fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: Iris
     let second = first * clamp(deep / max(deep - there, 0.25 * deep), 0.3, 4.0);
     let crossed = iris_texel(map, polar, iris, iris_step(iris, place, aside + towards.xy * second), lod);
     let left = under - up * second + crossed.height;
-    return vec2f(max(second + left / up, 0.3 * first), crossed.melanin);
+    let way = max(second + left / up, 0.3 * first);
+    return vec3f(way, crossed.melanin, stroma_over(max(way * up - BORDER_LAYER_MM, 0.0), stroma_of(crossed), iris) / up);
 }
 
 // The same from below this place of it, by this many looks along it, further apart the higher they are: tissue that it crosses behind the first place where it leaves
 // some is counted too.
-fn relief_way_by_looks(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, under: f32, towards: vec3f, lod: f32, looks: i32) -> vec2f {
+fn relief_way_by_looks(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, under: f32, towards: vec3f, lod: f32, looks: i32) -> vec3f {
     let up = max(-towards.z, 0.25);
     // Up to the highest ridges.
     let all = max(under + 0.2 * iris.thicken * max(iris.relief, 1.0), 0.01) / up;
     var way = 0.0;
     var melanin = 0.0;
+    var stroma = 0.0;
     var begins = 0.0;
     for (var i = 1; i <= looks; i++) {
         let part = f32(i) / f32(looks);
         let ends = all * part * sqrt(part);
         let middle = 0.5 * (begins + ends);
         let there = iris_texel(map, polar, iris, iris_step(iris, place, towards.xy * middle), lod);
-        let inside = clamp((under - up * middle + there.height) / (up * (ends - begins)) + 0.5, 0.0, 1.0);
+        let above = under - up * middle + there.height;
+        let half = 0.5 * up * (ends - begins);
+        let inside = clamp(0.5 * above / half + 0.5, 0.0, 1.0);
         way += inside * (ends - begins);
+        let own = stroma_of(there);
+        stroma += (stroma_over(max(above + half - BORDER_LAYER_MM, 0.0), own, iris) - stroma_over(max(above - half - BORDER_LAYER_MM, 0.0), own, iris)) / up;
         melanin = select(melanin, there.melanin, inside > 0.0);
         begins = ends;
     }
-    return vec2f(way, melanin);
+    return vec3f(way, melanin, stroma);
 }

@@ -7,10 +7,8 @@
 
 // Longest path (mm) of the reflectance map.
 const IRIS_PATH_MAX_MM: f32 = 2.5;
-// Thickness (mm) of the anterior border layer.
-const BORDER_LAYER_MM: f32 = 0.04;
 // How far (mm) light that is scattered more than once spreads sideways.
-const IRIS_SPREAD_MM: f32 = 0.25;
+const IRIS_SPREAD_MM: f32 = 0.12;
 
 // Of what collagen bundles scatter beside their forward peak: the share that goes into all directions alike, and the mean cosine
 // of the rest.
@@ -69,7 +67,8 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
     let reached = down * level + iris_texel(map, polar, iris, iris_step(iris, place, direction.xy * level), lod).height - texel.height;
     let border = level * clamp(BORDER_LAYER_MM / max(reached, 0.01), 0.5, 2.5);
     // Further than to the back of what is there: the view may leave a ridge and meet the next.
-    let reach = border + max(march.reach * texel.thickness / down - border, 0.03);
+    let back = BORDER_LAYER_MM + stroma_back(stroma_of(texel), iris);
+    let reach = border + max(march.reach * back / down - border, 0.03);
     return IrisSurface(at, place, texel, direction, lod, smooth_texel, smooth_normal, border, reach);
 }
 
@@ -87,12 +86,6 @@ fn iris_covered(texel: IrisTexel) -> f32 {
     return smoothstep(0.03, 0.08, texel.thickness);
 }
 
-// Optical depth of light at a depth (mm) of the tissue, by the border layer's extinction on its way and how many mm of its way lie in
-// tissue for each mm of depth.
-fn iris_light_depth(border: vec3f, stroma: vec3f, depth: f32, way: f32) -> vec3f {
-    return way * (border * min(depth, BORDER_LAYER_MM) + stroma * max(depth - BORDER_LAYER_MM, 0.0));
-}
-
 // Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction `towards`: the
 // border layer and segments behind it, each in closed form; the beam gathers by this share of itself a mm (`beam_gathers`).
 fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, towards: vec3f, gathers: f32, march: IrisMarch) -> vec3f {
@@ -106,8 +99,11 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
     var scattered = vec3f(0.0);
     var passed = vec3f(1.0);
     var begins = 0.0;
-    var ends = surface.border;
-    for (var i = 0; i <= march.segments; i++) {
+    var ends = 0.5 * surface.border;
+    var depth_before = 0.0;
+    var along_before = 0.0;
+    for (var i = 0; i <= march.segments + 1; i++) {
+        let in_front = i < 2;
         let along = 0.5 * (begins + ends);
         let aside = surface.direction.xy * along;
         // Where light is looked for further aside, it is so from there.
@@ -120,20 +116,27 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
         let there = iris_texel(map, polar, iris, place.uv, surface.lod);
         let under = down * along - surface.texel.height;
         let depth = under + there.height;
+        // How fast the view goes down into it, which counts where the border layer is crossed.
+        let steep = clamp(select(down, abs(depth - depth_before) / (along - along_before), in_front), 0.2 * down, 4.0 * down);
+        depth_before = depth;
+        along_before = along;
         // What of the segment lies in the border layer and what in the stroma, before the black epithelium.
-        let half = 0.5 * down * (ends - begins);
-        let back = max(there.thickness, BORDER_LAYER_MM);
+        let half = 0.5 * steep * (ends - begins);
+        let stroma = stroma_of(there);
+        let back = BORDER_LAYER_MM + stroma_back(stroma, iris);
         let low = clamp(depth - half, 0.0, back);
         let high = clamp(depth + half, 0.0, back);
-        let in_border = (min(high, BORDER_LAYER_MM) - min(low, BORDER_LAYER_MM)) / down;
-        let in_stroma = (max(high, BORDER_LAYER_MM) - max(low, BORDER_LAYER_MM)) / down;
+        let in_border = (min(high, BORDER_LAYER_MM) - min(low, BORDER_LAYER_MM)) / steep;
+        let over = vec3f(stroma_over(max(low - BORDER_LAYER_MM, 0.0), stroma, iris), stroma_over(max(depth - BORDER_LAYER_MM, 0.0), stroma, iris),
+            stroma_over(max(high - BORDER_LAYER_MM, 0.0), stroma, iris));
+        let in_stroma = (over.z - over.x) / steep;
         let border = tissue.border + tissue.border_melanin * there.melanin;
         let takes = border * in_border + tissue.stroma * in_stroma;
         // Light's way to its middle.
-        var way = vec2f(0.0);
-        if i == 0 {
+        var way = vec3f(0.0);
+        if in_front {
             // So little of it lies in the border layer that it crosses the relief next to it.
-            way = vec2f(max(depth, 0.01) / up, there.melanin);
+            way = vec3f(max(depth, 0.01) / up, there.melanin, over.y / up);
         } else if march.looks > 0 {
             way = relief_way_by_looks(map, polar, iris, place, under, towards, surface.lod, march.looks);
         } else {
@@ -141,16 +144,16 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
         }
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / max(depth, 0.01);
-        let arrives = iris_light_depth(dims, tissue.stroma, low, share);
-        let leaves = iris_light_depth(dims, tissue.stroma, high, share);
+        let arrives = dims * (share * min(low, BORDER_LAYER_MM)) + tissue.stroma * max(way.z + share * (over.x - over.y), 0.0);
+        let leaves = dims * (share * min(high, BORDER_LAYER_MM)) + tissue.stroma * max(way.z + share * (over.z - over.y), 0.0);
         let gathered = clamp(1.0 + gathers * under / up, 0.5, 2.0);
         scattered += gathered * passed * (from_border * in_border + from_stroma * in_stroma) * layer_mean_transmittance(arrives, leaves + takes);
         // Behind it lies the black epithelium.
-        passed *= exp(-takes) * clamp((there.thickness - depth) / (2.0 * half) + 0.5, 0.0, 1.0);
+        passed *= exp(-takes) * clamp((back - depth) / (2.0 * half) + 0.5, 0.0, 1.0);
         // Shorter ones first, where more is left of the light.
-        let part = f32(i + 1) / f32(march.segments);
+        let part = f32(i) / f32(march.segments);
         begins = ends;
-        ends = mix(surface.border, surface.reach, part * sqrt(part));
+        ends = mix(surface.border, surface.reach, part * part);
     }
     return tissue.weights * scattered;
 }

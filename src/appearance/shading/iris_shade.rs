@@ -7,7 +7,8 @@
 
 use super::iris_relief::{
     IrisFrame, IrisMarch, IrisPlace, IrisTexel, iris_level, iris_place, iris_step, iris_texel,
-    iris_texel_mm, relief_march, relief_normal, relief_way, relief_way_by_looks,
+    iris_texel_mm, relief_march, relief_normal, relief_way, relief_way_by_looks, stroma_back,
+    stroma_of, stroma_over,
 };
 use super::mix;
 use crate::appearance::images::MapView;
@@ -22,7 +23,7 @@ use glam::{DVec2, DVec3, DVec4};
 pub const IRIS_PATH_MAX_MM: f64 = 2.5;
 /// How far (mm) light that is scattered more than once spreads sideways: half of its mean free path in the
 /// stroma, 0.5 mm at 480 nm.
-pub const IRIS_SPREAD_MM: f64 = 0.25;
+pub const IRIS_SPREAD_MM: f64 = 0.12;
 
 /// The maps of one iris.
 #[derive(Clone, Debug)]
@@ -93,7 +94,8 @@ pub fn iris_surface(
     let reached = down * level + there.height - texel.height;
     let border = level * (BORDER_LAYER_MM / reached.max(0.01)).clamp(0.5, 2.5);
     // Further than to the back of what is there: the view may leave a ridge and meet the next.
-    let reach = border + (march.reach * texel.thickness / down - border).max(0.03);
+    let back = BORDER_LAYER_MM + stroma_back(stroma_of(&texel), iris);
+    let reach = border + (march.reach * back / down - border).max(0.03);
     IrisSurface {
         at,
         place,
@@ -138,12 +140,6 @@ pub fn iris_covered(texel: &IrisTexel) -> f64 {
     smoothstep(0.03, 0.08, texel.thickness)
 }
 
-/// Optical depth of light at a depth (mm) of the tissue, by the border layer's extinction on its way and how many mm of its
-/// way lie in tissue for each mm of depth.
-fn iris_light_depth(border: DVec3, stroma: DVec3, depth: f64, way: f64) -> DVec3 {
-    way * (border * depth.min(BORDER_LAYER_MM) + stroma * (depth - BORDER_LAYER_MM).max(0.0))
-}
-
 /// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction
 /// `towards`; linear sRGB. The border layer and segments behind it, each in closed form; the beam gathers by this
 /// share of itself a mm ([`super::near_light::beam_gathers`]).
@@ -165,8 +161,10 @@ pub fn iris_scattered_once(
     let from_stroma = tissue.stroma_scattering * phase(tissue.stroma_fibrils);
     let (down, up) = (surface.direction.z.max(0.35), (-towards.z).max(0.25));
     let (mut scattered, mut passed) = (DVec3::ZERO, DVec3::ONE);
-    let (mut begins, mut ends) = (0.0, surface.border);
-    for i in 0..=march.segments {
+    let (mut begins, mut ends) = (0.0, 0.5 * surface.border);
+    let (mut depth_before, mut along_before) = (0.0, 0.0);
+    for i in 0..=march.segments + 1 {
+        let in_front = i < 2;
         let along = 0.5 * (begins + ends);
         let (map, lod) = (&maps.relief, surface.lod);
         let aside = surface.direction.truncate() * along;
@@ -182,18 +180,27 @@ pub fn iris_scattered_once(
         let there = iris_texel(map, iris, place.uv, lod);
         let under = down * along - surface.texel.height;
         let depth = under + there.height;
+        // How fast the view goes down into it, which counts where the border layer is crossed.
+        let steep = match in_front {
+            true => ((depth - depth_before) / (along - along_before)).abs(),
+            false => down,
+        };
+        let steep = steep.clamp(0.2 * down, 4.0 * down);
+        (depth_before, along_before) = (depth, along);
         // What of the segment lies in the border layer and what in the stroma, before the black epithelium.
-        let half = 0.5 * down * (ends - begins);
-        let back = there.thickness.max(BORDER_LAYER_MM);
+        let half = 0.5 * steep * (ends - begins);
+        let stroma = stroma_of(&there);
+        let back = BORDER_LAYER_MM + stroma_back(stroma, iris);
+        let over = |depth: f64| stroma_over((depth - BORDER_LAYER_MM).max(0.0), stroma, iris);
         let [low, high] = [depth - half, depth + half].map(|depth| depth.clamp(0.0, back));
-        let in_border = (high.min(BORDER_LAYER_MM) - low.min(BORDER_LAYER_MM)) / down;
-        let in_stroma = (high.max(BORDER_LAYER_MM) - low.max(BORDER_LAYER_MM)) / down;
+        let in_border = (high.min(BORDER_LAYER_MM) - low.min(BORDER_LAYER_MM)) / steep;
+        let in_stroma = (over(high) - over(low)) / steep;
         let border = tissue.border + tissue.border_melanin * there.melanin;
         let takes = border * in_border + tissue.stroma * in_stroma;
         // Light's way to its middle.
         let way = match march.looks {
             // So little of it lies in the border layer that it crosses the relief next to it.
-            _ if i == 0 => DVec2::new(depth.max(0.01) / up, there.melanin),
+            _ if in_front => DVec3::new(depth.max(0.01), up * there.melanin, over(depth)) / up,
             0 => {
                 let from = &surface.place;
                 relief_way(map, iris, from, aside, under, depth, towards, lod)
@@ -202,19 +209,21 @@ pub fn iris_scattered_once(
         };
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / depth.max(0.01);
-        let [arrives, leaves] =
-            [low, high].map(|depth| iris_light_depth(dims, tissue.stroma, depth, share));
+        let [arrives, leaves] = [low, high].map(|end| {
+            let stroma = (way.z + share * (over(end) - over(depth))).max(0.0);
+            dims * (share * end.min(BORDER_LAYER_MM)) + tissue.stroma * stroma
+        });
         let gathered = (1.0 + gathers * under / up).clamp(0.5, 2.0);
         scattered += gathered
             * passed
             * (from_border * in_border + from_stroma * in_stroma)
             * layer_mean_transmittance(arrives, leaves + takes);
         // Behind it lies the black epithelium.
-        passed *= (-takes).exp() * ((there.thickness - depth) / (2.0 * half) + 0.5).clamp(0.0, 1.0);
+        passed *= (-takes).exp() * ((back - depth) / (2.0 * half) + 0.5).clamp(0.0, 1.0);
         // Shorter ones first, where more is left of the light.
-        let part = (i + 1) as f64 / march.segments as f64;
+        let part = i as f64 / march.segments as f64;
         begins = ends;
-        ends = mix(surface.border, surface.reach, part * part.sqrt());
+        ends = mix(surface.border, surface.reach, part * part);
     }
     tissue.weights * scattered
 }

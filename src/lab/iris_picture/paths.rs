@@ -5,7 +5,7 @@ use super::seen::{IrisPicture, SeenIris};
 use crate::appearance::illumination::Lamp;
 use crate::appearance::light_table::{FADE, LightTableSettings};
 use crate::appearance::shading::iris_relief::{
-    IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm,
+    IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm, stroma_density, stroma_of,
 };
 use crate::appearance::shading::iris_shade::{
     IRIS_SPREAD_MM, IrisSurface, Scattered, iris_covered, iris_reflectance,
@@ -153,7 +153,9 @@ impl IrisPicture {
         } else if depth < BORDER_LAYER_MM {
             Some(self.tissue.border + self.tissue.border_melanin * texel.melanin)
         } else {
-            (depth < texel.thickness).then_some(self.tissue.stroma)
+            let (behind, stroma) = (depth - BORDER_LAYER_MM, stroma_of(texel));
+            let density = stroma_density(behind, stroma, &self.frame)?;
+            Some(self.tissue.stroma * density)
         }
     }
 
@@ -198,10 +200,12 @@ impl IrisPicture {
                 }
                 continue;
             }
-            let (scattering, fibrils) = if depth < BORDER_LAYER_MM {
-                (self.tissue.border_scattering, self.tissue.border_fibrils)
+            let (albedo, fibrils) = if depth < BORDER_LAYER_MM {
+                let scattering = self.tissue.border_scattering;
+                (scattering / extinction, self.tissue.border_fibrils)
             } else {
-                (self.tissue.stroma_scattering, self.tissue.stroma_fibrils)
+                let scattering = self.tissue.stroma_scattering;
+                (scattering / self.tissue.stroma, self.tissue.stroma_fibrils)
             };
             let leaves = (-extinction * step).exp();
             if let Some(arriving) = self.arriving(lamp, p)
@@ -212,8 +216,8 @@ impl IrisPicture {
                 let bundles = peak + (PHASE_ISOTROPIC - peak) * BUNDLE_SIDEWAYS;
                 let phase = bundles + fibrils * (phase_rayleigh(cosine) - bundles);
                 // All that this step scatters of what reaches it.
-                let part = (DVec3::ONE - leaves) / extinction;
-                sum += passed * part * scattering * phase * (-way).exp() * arriving.across;
+                let part = (DVec3::ONE - leaves) * albedo;
+                sum += passed * part * phase * (-way).exp() * arriving.across;
             }
             passed *= leaves;
         }
