@@ -77,7 +77,7 @@ impl IrisPigment {
     /// pale irises is yellower than the rest.
     pub const BLUE: Self = Self {
         stroma_melanin_fraction: 0.0004,
-        border_layer_melanin_fraction: 0.02,
+        border_layer_melanin_fraction: 0.035,
         eumelanin_ratio: 0.1,
         stroma_blood_fraction: STROMA_BLOOD,
     };
