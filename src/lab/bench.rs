@@ -60,6 +60,9 @@ pub enum BenchError {
     /// An eye was lit by others than the lamps that were to be measured.
     #[error("an eye was lit otherwise than it was to be")]
     OtherLight,
+    /// A change of an eye did not show.
+    #[error("an eye that was changed looks as before")]
+    Unchanged,
     /// The walk that comes with the program is unsound.
     #[error(transparent)]
     Walk(#[from] HeadPathError),
@@ -113,6 +116,8 @@ struct Summary {
     eye: EyeCost,
     /// What its picture costs, by lamps and distance.
     eye_frames: Vec<EyeFrames>,
+    /// From a change of the border layer's melanin to the picture with it.
+    pigment_change_ms: f64,
     /// From the front, 30° and 60°.
     fixed_steps: Vec<FixedSteps>,
     /// What people cost whom nobody draws.
@@ -416,6 +421,8 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
     for case in &eye_frames {
         eprintln!("eye, {:<14} {:7.2} ms a frame", case.name, case.ms_median);
     }
+    let pigment_change_ms = eye_frames::pigment_change(session(brown, 1.0)?, count)?;
+    eprintln!("eye, its melanin changed {pigment_change_ms:7.2} ms to the picture with it");
     let fixed_steps = [0.0, 30.0, 60.0]
         .map(|deg| eye_frames::fixed_steps(|| session(brown, 1.0), deg, count))
         .into_iter()
@@ -457,8 +464,9 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
         "view while the head walks {:7.2} ms a frame with {:.2} captures, {:.2} at rest",
         walk.ms_median, walk.captures, walk.ms_median_at_rest
     );
-    let errors = approximate_apart(out, quick)?;
+    let mut errors = approximate_apart(out, quick)?;
     let requirements = requirements(&errors);
+    errors.push(eye_frames::task(&fixed_steps));
     for requirement in &requirements {
         eprintln!("{requirement}");
     }
@@ -472,6 +480,7 @@ fn measure_into(out: &Path, quick: bool) -> Result<(), BenchError> {
         field,
         eye,
         eye_frames,
+        pigment_change_ms,
         fixed_steps,
         crowds,
         views,

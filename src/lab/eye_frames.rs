@@ -3,20 +3,22 @@
 //! Leaves: rows of milliseconds a frame of an eye alone, all drawn in turn, so that whatever else the machine does falls on all
 //! alike; and what a fixed count of steps costs and changes.
 
+use super::approximations::{ErrorRow, Task};
 use super::bench::{BenchError, time_frames};
-use super::headless::Headless;
+use super::headless::{Headless, Which};
 use super::render::median;
 use crate::appearance::surroundings::Surroundings;
 use crate::appearance::{EyeModel, EyeOrbit, EyeQuality, EyeShading, EyeSurroundings, Lamp};
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
-use crate::stage::{PanelLight, Session};
+use crate::stage::{PanelLight, Session, SessionCommand};
 use bevy::asset::Handle;
 use bevy::image::Image;
 use bevy::math::{DVec3, UVec2};
 use bevy::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Side of the picture, pixels.
 const SIDE: u32 = 320;
@@ -56,6 +58,9 @@ pub struct FixedSteps {
     pub fast_rms_share: f64,
     /// Between the second and the last.
     pub full_rms_share: f64,
+    /// All three as rows of error against time.
+    #[serde(skip)]
+    pub rows: Vec<ErrorRow>,
 }
 
 impl FixedSteps {
@@ -157,22 +162,70 @@ pub fn cases(
         .collect())
 }
 
-/// Root mean square difference of two pictures' radiances in the middle, of the second one's mean.
-fn difference(picture: &[DVec3], truth: &[DVec3]) -> f64 {
+/// All of them as one task: whole pictures, from every side.
+pub fn task(steps: &[FixedSteps]) -> Task {
+    Task {
+        name: "iris-pictures".to_owned(),
+        title: "pictures of an iris, from the front and from aside".to_owned(),
+        call: format!("a frame of {SIDE} by {SIDE} pixels that the iris fills"),
+        domain: "a brown iris in a window's light, at 0, 30 and 60 degrees".to_owned(),
+        reference: "64 steps and 64 segments everywhere".to_owned(),
+        unit: "share of the mean radiance".to_owned(),
+        rows: steps.iter().flat_map(|own| own.rows.clone()).collect(),
+    }
+}
+
+/// Milliseconds from a change of the border layer's melanin, as a slider makes one, to the picture with it: the median of `count` of
+/// them, one after another.
+///
+/// # Errors
+/// Without a device, or where a picture does not change.
+pub fn pigment_change(mut session: Session, count: usize) -> Result<f64, BenchError> {
+    let mut file = session.patient.clone();
+    file.border_layer_melanin_fraction = Some(0.3);
+    session.patient = file.clone();
+    let mut headless = Headless::new(session, [UVec2::splat(SIDE); 2], [true, false])?;
+    headless.set_quality(EyeQuality::PLAIN);
+    headless.warm_up()?;
+    let mut times = Vec::new();
+    let mut before = headless.panel(Which::Eye)?;
+    // The first grows the stroma that the next ones lay their pigment on.
+    for change in 0..=count {
+        file.border_layer_melanin_fraction = Some(0.3 + 0.02 * (change % 9 + 1) as f64);
+        let began = Instant::now();
+        headless.command(SessionCommand::Change(Box::new(file.clone())));
+        headless.stand_still();
+        headless.finish_frame();
+        let took = began.elapsed().as_secs_f64() * 1e3;
+        let after = headless.panel(Which::Eye)?;
+        if after == before {
+            return Err(BenchError::Unchanged);
+        }
+        before = after;
+        if change > 0 {
+            times.push(took);
+        }
+    }
+    Ok(median(&mut times))
+}
+
+/// Differences of two pictures' radiances in the middle, each the root of the mean square of its channels, of the second one's mean.
+fn differences(picture: &[DVec3], truth: &[DVec3]) -> Vec<f64> {
     let is_middle = |i: usize| {
         let place = [i % SIDE as usize, i / SIDE as usize];
         place
             .iter()
             .all(|&p| ((p as f64 + 0.5) / (0.5 * f64::from(SIDE)) - 1.0).abs() < IRIS_SHARE)
     };
-    let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
-    let both = picture.iter().zip(truth).enumerate();
-    for (_, (a, b)) in both.filter(|(i, _)| is_middle(*i)) {
-        square += (*a - *b).length_squared() / 3.0;
-        sum += b.element_sum() / 3.0;
-        count += 1.0;
-    }
-    (square / count).sqrt() / (sum / count)
+    let both = || {
+        let all = picture.iter().zip(truth).enumerate();
+        all.filter(|(i, _)| is_middle(*i)).map(|(_, both)| both)
+    };
+    let sum: f64 = both().map(|(_, b)| b.element_sum() / 3.0).sum();
+    let mean = sum / both().count() as f64;
+    both()
+        .map(|(a, b)| (*a - *b).length() / 3.0_f64.sqrt() / mean)
+        .collect()
 }
 
 /// Measures an iris that fills most of the picture, in each way, seen from this far aside (°).
@@ -214,12 +267,19 @@ pub fn fixed_steps(
     let drawn = running.iter_mut().zip(&images);
     let drawn = drawn.map(|(headless, image)| headless.radiances(image));
     let drawn = drawn.collect::<Result<Vec<_>, _>>()?;
+    let setting = format!("{azimuth_deg}°");
+    let row = |at: usize, method: &str| {
+        let errors = differences(&drawn[at], &drawn[2]);
+        ErrorRow::new(method, &setting, 0, times[at] * 1e6, errors)
+    };
+    let rows = vec![row(0, "fast"), row(1, "full"), row(2, "64 steps")];
     Ok(FixedSteps {
         angle_deg: azimuth_deg,
         fast_ms: times[0],
         full_ms: times[1],
         fixed_ms: times[2],
-        fast_rms_share: difference(&drawn[0], &drawn[2]),
-        full_rms_share: difference(&drawn[1], &drawn[2]),
+        fast_rms_share: rows[0].err_rms,
+        full_rms_share: rows[1].err_rms,
+        rows,
     })
 }
