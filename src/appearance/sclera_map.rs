@@ -342,7 +342,7 @@ fn ground(
                 * (1.0 + 0.5 * cloud + 0.25 * fine).max(0.1),
         ),
         yellowing: f64::from(
-            0.5 + 0.9 * age
+            0.15 + 0.9 * age
                 + sideways * (0.3 + 0.9 * age)
                 + 5.0 * elastotic * settings.pinguecula.max(0.35 * smoothstep(0.3, 0.8, age)),
         ),

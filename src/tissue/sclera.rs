@@ -221,7 +221,7 @@ const THICKNESSES: [f64; 7] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8];
 const BLOODS: usize = 10;
 const BLOOD_STEP: f64 = 1.0 / 30.0;
 /// Yellowing.
-const YELLOWS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+const YELLOWS: [f64; 6] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0];
 
 /// [`sclera_reflectance`] over thickness, blood and yellowing at one concentration of bilirubin under the
 /// usual covering, for maps: linear in between, constant beyond.
