@@ -9,8 +9,8 @@ use ocularium::prelude::Patient;
 fn the_iris_is_drawn_as_light_goes_through_it() {
     let patient = Patient::preset("healthy-brown");
     for (light, limits) in [
-        (StudioLight::Window, [1.5, 1.3]),
-        (StudioLight::Penlight, [1.75, 1.6]),
+        (StudioLight::Window, [1.5, 1.1]),
+        (StudioLight::Penlight, [1.35, 1.1]),
     ] {
         let mut stage = IrisStage::new(&patient, light).expect("a device");
         for (shading, most) in [EyeShading::Fast, EyeShading::Full].into_iter().zip(limits) {

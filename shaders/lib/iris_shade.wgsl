@@ -8,7 +8,7 @@
 // Longest path (mm) of the reflectance map.
 const IRIS_PATH_MAX_MM: f32 = 2.5;
 // How far (mm) light that is scattered more than once spreads sideways.
-const IRIS_SPREAD_MM: f32 = 0.12;
+const IRIS_SPREAD_MM: f32 = 0.08;
 
 // Of what collagen bundles scatter beside their forward peak: the share that goes into all directions alike, and the mean cosine
 // of the rest.
@@ -141,6 +141,8 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
             way = relief_way_by_looks(map, polar, iris, place, under, towards, surface.lod, march.looks);
         } else {
             way = relief_way(map, polar, iris, surface.place, aside, under, depth, towards, surface.lod);
+            // Half of its way lies in what is here, and half in what is where it crosses the relief.
+            way.z = 0.5 * (way.z + over.y * way.x / max(depth, 0.01));
         }
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / max(depth, 0.01);
