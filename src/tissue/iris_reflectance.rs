@@ -70,7 +70,7 @@ pub struct IrisPigment {
 pub const STROMA_BLOOD: f64 = 0.02;
 /// That of a green iris, which more would turn hazel, and of a brown one.
 const GREEN_BLOOD: f64 = 0.005;
-const BROWN_BLOOD: f64 = 0.04;
+const BROWN_BLOOD: f64 = 0.033;
 
 impl IrisPigment {
     /// Next to no melanin: blue by scattering; a little pheomelanin where the border layer is densest, as the collarette of most
@@ -99,9 +99,9 @@ impl IrisPigment {
     /// as would make it as dark, a brown iris varies half as much in lightness as photographs of them do. Enough of it is pheomelanin to be
     /// warm.
     pub const BROWN: Self = Self {
-        stroma_melanin_fraction: 0.015,
+        stroma_melanin_fraction: 0.01,
         border_layer_melanin_fraction: 0.5,
-        eumelanin_ratio: 0.3,
+        eumelanin_ratio: 0.15,
         stroma_blood_fraction: BROWN_BLOOD,
     };
 
@@ -200,7 +200,7 @@ pub fn iris_reflectance(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f
 }
 
 /// As [`iris_reflectance`], with eight fluxes in place of two ([`super::many_flux`]): all orders of
-/// scattering within 3e-4, where two-flux is 3 to 10 % too dark.
+/// scattering within 3e-4 (without blood 6e-4), where two-flux is 3 to 10 % too dark.
 pub fn iris_reflectance_many_flux(pigment: &IrisPigment, path_mm: f64, density: f64) -> [f64; 3] {
     let pigment = pigment.clamped();
     let (path_mm, density) = within_range(path_mm, density);

@@ -12,7 +12,7 @@ use crate::tissue::noise::{HashStream, fbm, lerp, value_noise, wrap_half};
 const SECTORS: f32 = 1.8;
 
 /// Least density of a closed border layer, but towards the root (a choice: below it the stroma's blue shows in brown irises).
-const LEAST: f32 = 0.22;
+const LEAST: f32 = 0.3;
 
 /// How the layer's cells crowd in one place and are sparse in another, whatever there is of them.
 #[derive(Clone, Debug)]
