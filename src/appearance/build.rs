@@ -247,7 +247,7 @@ impl Builder<'_, '_, '_, '_> {
         let mut store = ImageStore {
             images: &mut self.assets.images,
             ledger: self.ledger,
-            stroma: &mut self.assets.stroma.0,
+            stromas: &mut self.assets.stromas.0,
         };
         let maps = &mut parts.maps;
         let [sclera_map, vessel_map] = maps.sclera(anatomy, fine, &mut store);
@@ -337,7 +337,7 @@ impl Builder<'_, '_, '_, '_> {
                 &mut ImageStore {
                     images: &mut self.assets.images,
                     ledger: self.ledger,
-                    stroma: &mut self.assets.stroma.0,
+                    stromas: &mut self.assets.stromas.0,
                 },
             ),
             illumination,

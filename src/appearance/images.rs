@@ -20,7 +20,11 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
 /// Colours of an RGBA16F picture that was read back; what is not a whole texel at its end is left out.
 pub(super) fn f16_texels(data: &[u8]) -> Vec<[f32; 3]> {
     let texels = data.chunks_exact(8);
-    let value = |bytes: &[u8], at: usize| f16::from_le_bytes([bytes[at], bytes[at + 1]]).to_f32();
+    let value = |bytes: &[u8], at: usize| {
+        let value = f16::from_le_bytes([bytes[at], bytes[at + 1]]).to_f32();
+        // What is brighter than they hold is as bright as they hold; what is no number is dark.
+        value.max(0.0).min(f16::MAX.to_f32())
+    };
     texels
         .map(|bytes| [0, 2, 4].map(|at| value(bytes, at)))
         .collect()

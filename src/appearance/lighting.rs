@@ -273,6 +273,9 @@ pub fn light_eyes(
         };
         let is_lit = known.is_some_and(|lit| lit.illumination == illumination && lit.map == map);
         if is_lit {
+            if let Some(lit) = &mut parts.bypass_change_detection().lit {
+                lit.around = around;
+            }
             continue;
         }
         for (_, material) in &parts.globe {

@@ -82,13 +82,14 @@ impl Plugin for AppearancePlugin {
         .register_type::<EyeOrbit>()
         .register_type::<EyeQuality>()
         .init_resource::<model::FaceRegion>()
-        .init_resource::<tissue_maps::LastStroma>()
+        .init_resource::<tissue_maps::LastStromas>()
         .add_observer(model::take_parts_away)
-        .add_observer(probe::take_cameras_away)
+        .add_observer(probe::end_probe)
+        .add_observer(probe::end_probed)
         .add_systems(
             Update,
             (
-                probe::take_probes,
+                probe::take_probes.run_if(any_with_component::<EyeProbe>),
                 lighting::light_eyes,
                 build::build_eyes,
                 pose::move_eyes,

@@ -13,7 +13,7 @@ use super::lighting::Lit;
 use super::materials::{GlobeMaterial, HairMaterial, LidMargins, MeniscusMaterial, SkinMaterial};
 use super::studio::Studio;
 use super::surroundings::Surroundings;
-use super::tissue_maps::{LastStroma, TissueMaps};
+use super::tissue_maps::{LastStromas, TissueMaps};
 use crate::anatomy::{Laterality, Look, OcularMedia, Refraction};
 use crate::optics::globe::GlobeShape;
 use bevy::camera::primitives::Sphere;
@@ -198,7 +198,7 @@ pub struct EyeAssets<'w> {
     pub(super) skins: ResMut<'w, Assets<SkinMaterial>>,
     pub(super) hairs: ResMut<'w, Assets<HairMaterial>>,
     pub(super) tears: ResMut<'w, Assets<MeniscusMaterial>>,
-    pub(super) stroma: ResMut<'w, LastStroma>,
+    pub(super) stromas: ResMut<'w, LastStromas>,
 }
 
 /// +1 for the right eye, −1 for the left one, whose region is mirrored.

@@ -2,10 +2,10 @@
 //!
 //! Enters: [`EyeProbe`] beside an [`super::EyeModel`]. Leaves: six pictures of the world, taken by cameras of our own from the globe's
 //! centre and read back, as a map of what surrounds the eye. They are taken when something of it has changed, at most one set in
-//! [`EVERY_FRAMES`] frames; in between they cost nothing.
+//! [`EVERY_FRAMES`] frames: six small pictures and some milliseconds of a processor. In between they cost nothing.
 
 use super::images::f16_texels;
-use super::model::{EyeModel, EyePart};
+use super::model::{EyeLight, EyeModel, EyePart};
 use super::surroundings::Surroundings;
 use crate::frame::ledger::WorkLedger;
 use crate::frame::readiness::Readiness;
@@ -26,6 +26,10 @@ pub const EVERY_FRAMES: u32 = 6;
 /// Movements of the eye that make its surroundings others: m, rad.
 const MOVED_M: f32 = 0.01;
 const TURNED_RAD: f32 = 0.02;
+/// Brightest that is mirrored, cd/m²: as much as half floats hold. A sun is a lamp.
+const MOST_CD_M2: f64 = 65_504.0;
+/// Frames after which pictures that have not come back are given up: there is no device, or it is lost.
+const PATIENCE_FRAMES: u32 = 240;
 /// Pixels along a side are a multiple of this: rows of a picture are read back in whole blocks of 256 bytes.
 const BLOCK: u32 = 32;
 
@@ -35,7 +39,7 @@ const BLOCK: u32 = 32;
 #[reflect(Component)]
 #[require(Probed)]
 pub struct EyeProbe {
-    /// Pixels along a side of each of its six pictures, 32 to 512, in steps of 32.
+    /// Pixels along a side of each of its six pictures, 32 to 256, in steps of 32.
     pub side: u32,
     /// What is nearer than this to the globe's centre is not seen, m of the eye's own: beyond the eye's parts, which end at 0.07.
     pub near_m: f32,
@@ -57,7 +61,7 @@ impl Default for EyeProbe {
 impl EyeProbe {
     /// Pixels along a side, within their range.
     fn pixels(&self) -> u32 {
-        self.side.clamp(BLOCK, 512).next_multiple_of(BLOCK)
+        self.side.clamp(BLOCK, 256).next_multiple_of(BLOCK)
     }
 }
 
@@ -93,6 +97,11 @@ pub struct Probed {
     settled: bool,
     #[reflect(ignore)]
     frames: u32,
+    /// Counts its sets, so that no picture of one comes into another.
+    #[reflect(ignore)]
+    set: u32,
+    #[reflect(ignore)]
+    copies: Vec<Entity>,
     #[reflect(ignore)]
     faces: [Option<Vec<[f32; 3]>>; 6],
     #[reflect(ignore)]
@@ -100,6 +109,19 @@ pub struct Probed {
 }
 
 impl Probed {
+    /// Takes its cameras and what is on its way away; what it has found stays.
+    fn stop(&mut self, commands: &mut Commands) {
+        let cameras = self.cameras.drain(..).map(|(camera, _)| camera);
+        for entity in cameras.chain(self.copies.drain(..)) {
+            commands.entity(entity).try_despawn();
+        }
+        *self = Self {
+            set: self.set + 1,
+            around: self.around.take(),
+            ..default()
+        };
+    }
+
     /// What surrounds the eye, cd/m², without lamps; `None` until the first pictures have arrived.
     pub fn around(&self) -> Option<&Arc<Surroundings>> {
         self.around.as_ref()
@@ -115,7 +137,7 @@ pub struct ProbeCamera;
 pub struct Copying {
     model: Entity,
     face: usize,
-    side: u32,
+    set: u32,
 }
 
 /// How the cameras are turned in the head: to both sides, up and down, to the back and ahead.
@@ -131,14 +153,13 @@ fn turned(face: usize) -> Quat {
     Transform::default().looking_to(towards, up).rotation
 }
 
-/// Radiances that the six pictures, row by row from the top, have in a unit direction of the head.
+/// Radiances that the six pictures, row by row from the top, have in a unit direction of the head, which these turns bring before their
+/// cameras.
 fn radiance(faces: &[Vec<[f32; 3]>; 6], turns: &[DQuat; 6], side: usize, d: DVec3) -> DVec3 {
-    let seen = |face: usize| turns[face].inverse() * d;
     // The one that looks there most directly.
-    let Some(face) = (0..6).min_by(|a, b| seen(*a).z.total_cmp(&seen(*b).z)) else {
-        return DVec3::ZERO;
-    };
-    let local = seen(face);
+    let axis = d.abs().max_position();
+    let face = 2 * axis + usize::from(d[axis] < 0.0);
+    let local = turns[face] * d;
     let at = DVec2::new(local.x, -local.y) / -local.z;
     let at =
         ((0.5 + 0.5 * at) * side as f64 - 0.5).clamp(DVec2::ZERO, DVec2::splat(side as f64 - 1.0));
@@ -155,16 +176,12 @@ fn radiance(faces: &[Vec<[f32; 3]>; 6], turns: &[DQuat; 6], side: usize, d: DVec
 
 /// What they are of, as a map: values over the camera's exposure are cd/m².
 fn surroundings(faces: &[Vec<[f32; 3]>; 6], side: usize) -> Surroundings {
-    let turns = core::array::from_fn(|face| turned(face).as_dquat());
+    let turns = core::array::from_fn(|face| turned(face).inverse().as_dquat());
     let exposure = f64::from(Exposure::default().exposure());
     let around = |d: DVec3| {
         let value = radiance(faces, &turns, side, d) / exposure;
-        // A picture may hold what is no number.
-        DVec3::from(
-            value
-                .to_array()
-                .map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 }),
-        )
+        // The map holds half floats.
+        value.min(DVec3::splat(MOST_CD_M2))
     };
     let mut found = Surroundings::new(2 * side, around, |_| DVec3::ZERO, Vec::new());
     found.is_luminance = true;
@@ -251,6 +268,7 @@ fn picture(side: u32) -> Image {
 type Probing<'a> = (
     Entity,
     &'a EyeProbe,
+    &'a EyeLight,
     &'a GlobalTransform,
     Option<&'a RenderLayers>,
     &'a mut Probed,
@@ -260,7 +278,7 @@ type Probing<'a> = (
 pub fn take_probes(
     mut models: Query<Probing, With<EyeModel>>,
     mut changes: WorldChanges,
-    mut cameras: Query<(&mut Camera, &mut Transform), With<ProbeCamera>>,
+    mut cameras: Query<(&mut Camera, &mut Transform, &mut Projection), With<ProbeCamera>>,
     mut images: ResMut<Assets<Image>>,
     readiness: Res<Readiness>,
     ledger: Res<WorkLedger>,
@@ -269,20 +287,18 @@ pub fn take_probes(
     let has_changed = changes.any();
     // While a pipeline is missing a picture is drawn to ask for it, and another when it is there.
     let settled = readiness.quiet_frames() >= 3;
-    for (model, probe, place, layers, mut probed) in &mut models {
-        let side = probe.pixels();
-        if probed.made_of != Some(*probe) {
-            for (camera, _) in probed.cameras.drain(..) {
-                commands.entity(camera).try_despawn();
+    for (model, probe, light, place, layers, mut probed) in &mut models {
+        let is_read = matches!(light, EyeLight::World);
+        if probed.made_of != Some(*probe) || !is_read {
+            // Whatever a studio lights needs no world.
+            if probed.made_of.is_some() {
+                probed.stop(&mut commands);
             }
-            *probed = Probed {
-                cameras: spawn_cameras(probe, place, layers, &mut images, &mut commands),
-                made_of: Some(*probe),
-                is_stale: true,
-                frames: EVERY_FRAMES,
-                around: probed.around.take(),
-                ..default()
-            };
+            if is_read {
+                probed.cameras = spawn_cameras(probe, &mut images, &mut commands);
+                probed.made_of = Some(*probe);
+                (probed.is_stale, probed.frames) = (true, EVERY_FRAMES);
+            }
             // They are there in the next frame.
             continue;
         }
@@ -294,41 +310,68 @@ pub fn take_probes(
             probed.is_stale = true;
         }
         probed.frames += 1;
+        // What a set is the first to show may lack its pipelines: once they are there another is taken.
+        probed.settled &= settled || probed.phase == Phase::Idle;
         match probed.phase {
             Phase::Idle => {
                 let asks = probed.is_stale || (settled && !probed.settled);
                 let may = settled || probed.from.is_none();
                 if asks && may && probed.frames >= EVERY_FRAMES {
+                    let near = probe.near_m.max(1e-3) * place.scale().abs().max_element();
                     for (face, (camera, _)) in probed.cameras.iter().enumerate() {
-                        if let Ok((mut camera, mut transform)) = cameras.get_mut(*camera) {
+                        if let Ok((mut camera, mut transform, mut projection)) =
+                            cameras.get_mut(*camera)
+                        {
                             camera.is_active = true;
                             transform.translation = place.translation();
                             transform.rotation = place.rotation() * turned(face);
+                            *projection = Projection::Perspective(PerspectiveProjection {
+                                fov: FRAC_PI_2,
+                                near,
+                                far: 1e4,
+                                ..default()
+                            });
+                        }
+                        let mut camera = commands.entity(*camera);
+                        camera.insert(layers.cloned().unwrap_or_default());
+                        let camera = camera.id();
+                        if let Some(like) = probe.like
+                            && let Ok(mut other) = commands.get_entity(like)
+                        {
+                            other.clone_components::<(Skybox, EnvironmentMapLight, AmbientLight)>(
+                                camera,
+                            );
                         }
                     }
                     ledger.probe_pictures(6);
                     probed.phase = Phase::Drawn;
                     probed.from = Some(*place);
+                    probed.set += 1;
                     (probed.is_stale, probed.settled, probed.frames) = (false, settled, 0);
                 }
             }
             Phase::Drawn => {
+                let set = probed.set;
+                let mut copies = Vec::new();
                 for (face, (camera, image)) in probed.cameras.iter().enumerate() {
-                    if let Ok((mut camera, _)) = cameras.get_mut(*camera) {
+                    if let Ok((mut camera, ..)) = cameras.get_mut(*camera) {
                         camera.is_active = false;
                     }
-                    let copying = Copying { model, face, side };
-                    commands
-                        .spawn((Readback::texture(image.clone()), copying))
-                        .observe(arrived);
+                    let copying = Copying { model, face, set };
+                    let mut copy = commands.spawn((Readback::texture(image.clone()), copying));
+                    copies.push(copy.observe(arrived).id());
                 }
+                probed.copies = copies;
                 probed.phase = Phase::Copied;
             }
             Phase::Copied => {
                 if probed.faces.iter().all(Option::is_some) {
                     let faces = core::mem::take(&mut probed.faces).map(Option::unwrap_or_default);
-                    probed.around = Some(Arc::new(surroundings(&faces, side as usize)));
+                    let side = probe.pixels() as usize;
+                    probed.around = Some(Arc::new(surroundings(&faces, side)));
                     probed.phase = Phase::Idle;
+                } else if probed.frames > PATIENCE_FRAMES {
+                    probed.stop(&mut commands);
                 }
             }
         }
@@ -337,46 +380,28 @@ pub fn take_probes(
 
 fn spawn_cameras(
     probe: &EyeProbe,
-    place: &GlobalTransform,
-    layers: Option<&RenderLayers>,
     images: &mut Assets<Image>,
     commands: &mut Commands,
 ) -> Vec<(Entity, Handle<Image>)> {
-    let near = probe.near_m.max(1e-3) * place.scale().abs().max_element();
-    (0..6)
-        .map(|_| {
-            let image = images.add(picture(probe.pixels()));
-            let camera = commands
-                .spawn((
-                    ProbeCamera,
-                    Camera3d::default(),
-                    Camera {
-                        order: -3,
-                        is_active: false,
-                        ..default()
-                    },
-                    Hdr,
-                    Msaa::Off,
-                    Tonemapping::None,
-                    Exposure::default(),
-                    RenderTarget::Image(image.clone().into()),
-                    Projection::Perspective(PerspectiveProjection {
-                        fov: FRAC_PI_2,
-                        near,
-                        far: 1e4,
-                        ..default()
-                    }),
-                    layers.cloned().unwrap_or_default(),
-                ))
-                .id();
-            if let Some(like) = probe.like
-                && let Ok(mut other) = commands.get_entity(like)
-            {
-                other.clone_components::<(Skybox, EnvironmentMapLight, AmbientLight)>(camera);
-            }
-            (camera, image)
-        })
-        .collect()
+    let camera = |_| {
+        let image = images.add(picture(probe.pixels()));
+        let camera = commands.spawn((
+            ProbeCamera,
+            Camera3d::default(),
+            Camera {
+                order: -3,
+                is_active: false,
+                ..default()
+            },
+            Hdr,
+            Msaa::Off,
+            Tonemapping::None,
+            Exposure::default(),
+            RenderTarget::Image(image.clone().into()),
+        ));
+        (camera.id(), image)
+    };
+    (0..6).map(camera).collect()
 }
 
 /// Takes in a picture.
@@ -386,33 +411,36 @@ fn arrived(
     mut models: Query<&mut Probed>,
     mut commands: Commands,
 ) {
-    let Ok(&Copying { model, face, side }) = copying.get(copy.entity) else {
+    let Ok(&Copying { model, face, set }) = copying.get(copy.entity) else {
         return;
     };
-    commands.entity(copy.entity).despawn();
+    commands.entity(copy.entity).try_despawn();
     let Ok(mut probed) = models.get_mut(model) else {
         return;
     };
     let texels = f16_texels(&copy.data);
-    // One of another size was asked for before the probe was changed.
-    if texels.len() == (side * side) as usize && probed.phase == Phase::Copied {
+    let side = probed.made_of.map_or(0, |probe| probe.pixels());
+    if texels.len() == (side * side) as usize && probed.set == set {
+        probed.copies.retain(|own| *own != copy.entity);
         probed.faces[face] = Some(texels);
     }
 }
 
 /// Takes the cameras of a probe away with it.
-pub fn take_cameras_away(
-    removed: On<Remove, EyeProbe>,
-    mut models: Query<&mut Probed>,
-    mut commands: Commands,
-) {
-    let Ok(mut probed) = models.get_mut(removed.entity) else {
-        return;
-    };
-    for (camera, _) in probed.cameras.drain(..) {
-        commands.entity(camera).try_despawn();
+pub fn end_probe(removed: On<Remove, EyeProbe>, models: Query<&mut Probed>, commands: Commands) {
+    end(removed.entity, models, commands);
+}
+
+/// And with its eye.
+pub fn end_probed(removed: On<Remove, EyeModel>, models: Query<&mut Probed>, commands: Commands) {
+    end(removed.entity, models, commands);
+}
+
+fn end(model: Entity, mut models: Query<&mut Probed>, mut commands: Commands) {
+    if let Ok(mut probed) = models.get_mut(model) {
+        probed.stop(&mut commands);
+        probed.around = None;
     }
-    *probed = Probed::default();
 }
 
 #[cfg(test)]
@@ -436,7 +464,7 @@ mod tests {
     fn six_pictures_are_the_world_from_one_place() {
         let side = 64;
         let faces = pictures(side);
-        let turns = core::array::from_fn(|face| turned(face).as_dquat());
+        let turns = core::array::from_fn(|face| turned(face).inverse().as_dquat());
         for i in 0..2000 {
             let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / 2000.0;
             let (sin, cos) = (f64::from(i) * 2.399_963).sin_cos();
@@ -447,7 +475,7 @@ mod tests {
             assert!(off < 0.009, "{d}: {found}");
         }
         // Turned by a degree and a half they are of another world.
-        let other = turns.map(|turn| turn * DQuat::from_rotation_y(0.026));
+        let other = turns.map(|turn| DQuat::from_rotation_y(0.026) * turn);
         let found = radiance(&faces, &other, side, DVec3::NEG_Z);
         assert!((found - DVec3::new(0.5, 0.5, 0.0)).abs().max_element() > 0.009);
     }

@@ -68,9 +68,12 @@ pub(super) struct TissueMaps {
     skin: Kept<u64, 1>,
 }
 
-/// The stroma that was grown last: while its pigment is changed it need not grow again.
+/// The stromas that were grown last, the last first: while their pigment is changed they need not grow again.
 #[derive(Resource, Debug, Default)]
-pub struct LastStroma(pub(super) Option<IrisStroma>);
+pub struct LastStromas(pub(super) Vec<IrisStroma>);
+
+/// As many as one person has.
+const STROMAS: usize = 2;
 
 /// Images and what they were made of.
 type Kept<K, const N: usize> = Option<(K, [Handle<Image>; N])>;
@@ -79,7 +82,7 @@ type Kept<K, const N: usize> = Option<(K, [Handle<Image>; N])>;
 pub(super) struct ImageStore<'a> {
     pub(super) images: &'a mut Assets<Image>,
     pub(super) ledger: &'a WorkLedger,
-    pub(super) stroma: &'a mut Option<IrisStroma>,
+    pub(super) stromas: &'a mut Vec<IrisStroma>,
 }
 
 impl ImageStore<'_> {
@@ -114,12 +117,12 @@ impl TissueMaps {
     ) -> Handle<Image> {
         let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
         let key = (iris_settings(anatomy.iris, seed), fine);
-        // By another one, so that both it and the store can be lent.
-        let mut grown = store.stroma.take();
+        // Out of the store, so that both can be lent.
+        let mut grown = core::mem::take(store.stromas);
         let [map] = store.kept(&mut self.iris, key, |(settings, fine)| {
             [iris_image(&mut grown, settings, *fine)]
         });
-        *store.stroma = grown;
+        *store.stromas = grown;
         map
     }
 
@@ -161,13 +164,18 @@ impl TissueMaps {
     }
 }
 
-fn iris_image(grown: &mut Option<IrisStroma>, settings: &IrisMapSettings, fine: bool) -> Image {
+fn iris_image(grown: &mut Vec<IrisStroma>, settings: &IrisMapSettings, fine: bool) -> Image {
     let (width, height) = if fine { (2048, 512) } else { (1024, 256) };
-    let last = grown
-        .take()
-        .filter(|last| last.fits(settings, width, height));
-    let stroma = last.unwrap_or_else(|| IrisStroma::new(settings, width, height));
-    let map = grown.insert(stroma).pigmented(settings);
+    let known = grown
+        .iter()
+        .position(|own| own.fits(settings, width, height));
+    let stroma = match known {
+        Some(at) => grown.remove(at),
+        None => IrisStroma::new(settings, width, height),
+    };
+    let map = stroma.pigmented(settings);
+    grown.insert(0, stroma);
+    grown.truncate(STROMAS);
     map_image(&map.levels(), true)
 }
 /// What the fundus sends back through clear media, linear sRGB.

@@ -285,3 +285,33 @@ fn a_sector_is_as_dense_as_a_brown_iris_and_the_rest_keeps_its_own() {
         assert!((mean(&sector, from, to) - mean(&own, from, to)).abs() < 1e-6);
     }
 }
+
+#[test]
+fn another_pigment_on_a_grown_stroma_is_the_map_of_that_iris() {
+    let pale = seeded(11);
+    let dark = IrisMapSettings {
+        border_layer_cover: 0.45,
+        central_heterochromia: 0.2,
+        freckle_count: 9,
+        own_melanin: 0.6,
+        sector: [0.3, 0.1],
+        ..pale.clone()
+    };
+    let stroma = IrisStroma::new(&pale, 256, 64);
+    let fresh = IrisMap::new(&dark, 256, 64);
+    assert_eq!(stroma.pigmented(&dark), fresh);
+    assert_ne!(stroma.pigmented(&pale), fresh);
+    assert!(stroma.fits(&dark, 256, 64) && !stroma.fits(&dark, 512, 64));
+    let others = [
+        seeded(12),
+        IrisMapSettings {
+            crypt_density: 0.9,
+            ..dark.clone()
+        },
+        IrisMapSettings {
+            furrow_count: 1,
+            ..dark
+        },
+    ];
+    assert!(others.iter().all(|other| !stroma.fits(other, 256, 64)));
+}
