@@ -9,6 +9,8 @@
 const IRIS_PATH_MAX_MM: f32 = 2.5;
 // How far (mm) light that is scattered more than once spreads sideways.
 const IRIS_SPREAD_MM: f32 = 0.08;
+// Over how much (mm) of the relief its normal is taken for that light.
+const IRIS_LEVEL_MM: f32 = 0.25;
 
 // Of what collagen bundles scatter beside their forward peak: the share that goes into all directions alike, and the mean cosine
 // of the rest.
@@ -59,7 +61,8 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
     let texel = iris_texel(map, polar, iris, place.uv, lod);
     let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));
     let smooth_texel = iris_texel(map, polar, iris, place.uv, spread);
-    let smooth_normal = relief_normal(map, polar, iris, place, max(footprint, IRIS_SPREAD_MM), spread);
+    let normal_lod = max(lod, log2(IRIS_LEVEL_MM / iris_texel_mm(size.y, 0.0, iris)));
+    let smooth_normal = relief_normal(map, polar, iris, place, max(footprint, IRIS_LEVEL_MM), normal_lod);
 
     let down = max(direction.z, 0.35);
     // As if the relief were level, and as deep as it is there.

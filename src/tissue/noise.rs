@@ -94,7 +94,11 @@ const fn wrap(cell: i32, period: u32) -> i32 {
 #[inline]
 fn cell_of(x: f32) -> (i32, f32) {
     let cut = x as i32;
-    let cell = if cut as f32 > x { cut - 1 } else { cut };
+    let cell = if cut as f32 > x {
+        cut.wrapping_sub(1)
+    } else {
+        cut
+    };
     (cell, x - cell as f32)
 }
 

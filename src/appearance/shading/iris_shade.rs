@@ -24,6 +24,8 @@ pub const IRIS_PATH_MAX_MM: f64 = 2.5;
 /// How far (mm) light that is scattered more than once spreads sideways: the width of the texels that it is smoothed over. Random walks
 /// through strands 0.1 mm wide say so, in a test; in the dense bundles its mean free path is 0.12 mm at 480 nm.
 pub const IRIS_SPREAD_MM: f64 = 0.08;
+/// Over how much (mm) of the relief its normal is taken for that light: half of its mean free path in the mean of the stroma, 0.5 mm at 480 nm.
+pub const IRIS_LEVEL_MM: f64 = 0.25;
 
 /// The maps of one iris.
 #[derive(Clone, Debug)]
@@ -84,7 +86,8 @@ pub fn iris_surface(
     let finest = iris_texel_mm(map.size().y, 0.0, iris);
     let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
     let smooth_texel = iris_texel(map, iris, place.uv, spread);
-    let smooth_normal = relief_normal(map, iris, &place, footprint.max(IRIS_SPREAD_MM), spread);
+    let normal_lod = lod.max((IRIS_LEVEL_MM / finest).log2());
+    let smooth_normal = relief_normal(map, iris, &place, footprint.max(IRIS_LEVEL_MM), normal_lod);
 
     let down = direction.z.max(0.35);
     // As if the relief were level, and as deep as it is there.

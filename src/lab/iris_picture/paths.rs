@@ -8,7 +8,7 @@ use crate::appearance::shading::iris_relief::{
     IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm, stroma_density, stroma_of,
 };
 use crate::appearance::shading::iris_shade::{
-    IRIS_SPREAD_MM, IrisSurface, Scattered, iris_covered, iris_reflectance,
+    IRIS_LEVEL_MM, IRIS_SPREAD_MM, IrisSurface, Scattered, iris_covered, iris_reflectance,
 };
 use crate::appearance::shading::near_light::light_entry;
 use crate::optics::caustic::near_irradiance;
@@ -85,6 +85,7 @@ impl IrisPicture {
     fn surface(&self, seen: &SeenIris, at: DVec3, lod: f64) -> IrisSurface {
         let finest = iris_texel_mm(self.maps.relief.size().y, 0.0, &self.frame);
         let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
+        let normal_lod = lod.max((IRIS_LEVEL_MM / finest).log2());
         let over = at.truncate();
         IrisSurface {
             at: over,
@@ -93,7 +94,7 @@ impl IrisPicture {
             direction: seen.trace.direction,
             lod,
             smooth_texel: self.texel(over, spread),
-            smooth_normal: self.normal(over, seen.footprint.max(IRIS_SPREAD_MM), spread),
+            smooth_normal: self.normal(over, seen.footprint.max(IRIS_LEVEL_MM), normal_lod),
             border: 0.0,
             reach: 0.0,
         }

@@ -55,15 +55,7 @@ fn once(
         march,
     );
     let towards = slanted(into, turn);
-    iris_scattered_once(
-        maps,
-        &frame(),
-        tissue,
-        &surface,
-        towards,
-        0.0,
-        &IRIS_MARCH_FAST,
-    )
+    iris_scattered_once(maps, &frame(), tissue, &surface, towards, 0.0, march)
 }
 
 #[test]
