@@ -112,7 +112,7 @@ fn iris_level(size: vec2f, footprint: f32, radius: f32, width: f32) -> f32 {
 }
 
 // How an iris is followed: the fewest and most steps of the view to its relief; how far behind it the view is followed, as a multiple
-// of how thick it is there, and in how many segments behind the border layer; by how many looks light's way to each of them is known, or
+// of how deep its back is there, and in how many segments behind the border layer; by how many looks light's way to each of them is known, or
 // none to take it for straight to where it crosses the relief.
 struct IrisMarch { fewest: f32, most: f32, reach: f32, segments: i32, looks: i32 };
 

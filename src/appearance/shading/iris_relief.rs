@@ -189,7 +189,7 @@ pub struct IrisMarch {
     pub fewest: f64,
     /// Most steps.
     pub most: f64,
-    /// How far behind it the view is followed, as a multiple of how thick it is there.
+    /// How far behind it the view is followed, as a multiple of how deep its back is there.
     pub reach: f64,
     /// In how many segments behind the border layer.
     pub segments: usize,
