@@ -112,13 +112,12 @@ fn iris_level(size: vec2f, footprint: f32, radius: f32, width: f32) -> f32 {
 }
 
 // How an iris is followed: the fewest and most steps of the view to its relief; how far behind it the view is followed, as a multiple
-// of how deep its back is there, and in how many segments behind the border layer; by how many looks light's way to each of them is known, or
-// none to take it for straight to where it crosses the relief.
+// of how deep its back is there, and in how many segments behind the border layer; by how many looks light's way to each of them is known.
 struct IrisMarch { fewest: f32, most: f32, reach: f32, segments: i32, looks: i32 };
 
 // By what a pixel shows, as far as a rasteriser on processors goes; the same as a picture that is to be kept has it;
 // and the plain way, which they are measured against.
-const IRIS_MARCH_FAST = IrisMarch(3.0, 16.0, 1.3, 3, 0);
+const IRIS_MARCH_FAST = IrisMarch(5.0, 24.0, 1.5, 5, 4);
 const IRIS_MARCH_FULL = IrisMarch(8.0, 48.0, 1.6, 8, 4);
 const IRIS_MARCH_FIXED = IrisMarch(64.0, 64.0, 1.6, 64, 4);
 
@@ -161,24 +160,10 @@ fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: I
     return normalize(vec3f(-vec2f(rise, up) / e, -1.0));
 }
 
-// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface and `under`
-// below its mean plane, the step `aside` from a place of it; the melanin of the border layer where the light crossed it; and the
-// stroma (mm as dense as the mean) on its way: by a secant and a step of Newton's.
-fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, aside: vec2f, under: f32, depth: f32, towards: vec3f, lod: f32) -> vec3f {
-    let up = max(-towards.z, 0.25);
-    let deep = max(depth, 0.01);
-    let first = deep / up;
-    let there = under - deep + iris_texel(map, polar, iris, iris_step(iris, place, aside + towards.xy * first), lod).height;
-    let second = first * clamp(deep / max(deep - there, 0.25 * deep), 0.3, 4.0);
-    let crossed = iris_texel(map, polar, iris, iris_step(iris, place, aside + towards.xy * second), lod);
-    let left = under - up * second + crossed.height;
-    let way = max(second + left / up, 0.3 * first);
-    return vec3f(way, crossed.melanin, stroma_over(max(way * up - BORDER_LAYER_MM, 0.0), stroma_of(crossed), iris) / up);
-}
-
-// The same from below this place of it, by this many looks along it, further apart the higher they are: tissue that it crosses behind the first place where it leaves
-// some is counted too.
-fn relief_way_by_looks(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, under: f32, towards: vec3f, lod: f32, looks: i32) -> vec3f {
+// Path (mm) of light from the unit direction `towards` through the relief to what lies `under` mm below its mean plane at this place of
+// it, the melanin of the border layer where it came in, and the stroma (mm as dense as the mean) on its way: by this many looks along it, further
+// apart the higher they are. Tissue that it crosses behind the first place where it leaves some is counted too.
+fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, under: f32, towards: vec3f, lod: f32, looks: i32) -> vec3f {
     let up = max(-towards.z, 0.25);
     // Up to the highest ridges.
     let all = max(under + 0.2 * iris.thicken * max(iris.relief, 1.0), 0.01) / up;

@@ -109,13 +109,7 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
         let in_front = i < 2;
         let along = 0.5 * (begins + ends);
         let aside = surface.direction.xy * along;
-        // Where light is looked for further aside, it is so from there.
-        var place = surface.place;
-        if march.looks > 0 {
-            place = iris_place(surface.at + aside, iris);
-        } else {
-            place.uv = iris_step(iris, surface.place, aside);
-        }
+        let place = iris_place(surface.at + aside, iris);
         let there = iris_texel(map, polar, iris, place.uv, surface.lod);
         let under = down * along - surface.texel.height;
         let depth = under + there.height;
@@ -140,12 +134,8 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
         if in_front {
             // So little of it lies in the border layer that it crosses the relief next to it.
             way = vec3f(max(depth, 0.01) / up, there.melanin, over.y / up);
-        } else if march.looks > 0 {
-            way = relief_way_by_looks(map, polar, iris, place, under, towards, surface.lod, march.looks);
         } else {
-            way = relief_way(map, polar, iris, surface.place, aside, under, depth, towards, surface.lod);
-            // Half of its way lies in what is here, and half in what is where it crosses the relief.
-            way.z = 0.5 * (way.z + over.y * way.x / max(depth, 0.01));
+            way = relief_way(map, polar, iris, place, under, towards, surface.lod, march.looks);
         }
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / max(depth, 0.01);

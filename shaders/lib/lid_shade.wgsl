@@ -23,6 +23,8 @@ struct LidShade { sky: f32, contact: f32, upper_gap: f32, lower_gap: f32 };
 
 // How far (mm) the edge of the upper lid that casts its shadow stands before the globe, and how soft that edge is.
 const LID_EDGE_MM: f32 = 1.3;
+// How far (mm) that edge stands over the one that touches the globe.
+const LID_EDGE_UP_MM: f32 = 0.5;
 const LID_EDGE_SOFT_MM: f32 = 1.2;
 
 // How much of the sky and of lamps the lids leave at a point p (head frame) of the globe, whose x lies at this part of this span of
@@ -44,7 +46,7 @@ fn lid_shade(span: LidSpan, part: f32, p: vec3<f32>) -> LidShade {
 // their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands.
 fn lid_lamp(shade: LidShade, light: vec3<f32>, radius: f32) -> f32 {
     let rise = clamp(light.y / max(-light.z, 0.2), -2.0, 3.0);
-    let below = shade.upper_gap - LID_EDGE_MM * rise;
+    let below = shade.upper_gap - max(LID_EDGE_MM * rise - LID_EDGE_UP_MM, 0.0);
     let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * min(radius, 1.0);
     return smoothstep(-soft, soft, below) * shade.contact;
 }

@@ -33,10 +33,10 @@ const TARGET_MM: Vec3 = Vec3::new(0.0, 0.0, -10.5);
 /// How the iris of an eye is computed. How far each is from paths of light: `ocularium measure iris-picture`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 pub enum EyeShading {
-    /// Where it is seen, by steps of the size of what a pixel shows and three segments behind the border layer: for rasterisers
-    /// on processors.
+    /// Where it is seen, by steps of the size of what a pixel shows and five segments behind the border layer, light's way to each of
+    /// which is looked along: for rasterisers on processors.
     Fast,
-    /// The same by more steps and eight segments, light's way to each of which is looked along.
+    /// The same by more steps and eight segments.
     #[default]
     Full,
     /// By 64 steps and 64 segments everywhere, in the pupil too: what the others are measured against.

@@ -360,6 +360,6 @@ fn ruff_at(seed: u32, u: f32, v: f32) -> f32 {
     let girth = 0.024
         + 0.009 * value_noise(u * 13.0, 13, seed)
         + 0.007 * value_noise(u * 57.0, 57, seed ^ 1);
-    let edge = (girth + 0.003 * bead).max(0.012);
+    let edge = (girth + 0.003 * bead).max(0.008);
     smoothstep(edge + 0.008, edge - 0.008, v)
 }

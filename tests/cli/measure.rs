@@ -114,7 +114,7 @@ fn a_patient_acts_where_the_help_says_so() {
         pupil_nasal_mm: 0.3,
         pupil_superior_mm: 0.1,
         stroma_melanin_fraction: 0.0004,
-        border_layer_melanin_fraction: 0.02,
+        border_layer_melanin_fraction: 0.035,
         eumelanin_ratio: 0.1,
         stroma_blood_fraction: 0.02,
         glare_pigment: 1.2,

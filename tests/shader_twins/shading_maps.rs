@@ -346,8 +346,7 @@ fn the_relief_of_the_iris() {
                  let f = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], IRIS_MARCH_FIXED); y[10] = f.x; y[11] = f.y; \
                  let t = iris_texel(iris_map, iris_map_sampler, iris, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
                  let n = relief_normal(iris_map, iris_map_sampler, iris, q, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
-                 let w = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.xy, 0.2 * d.z - t.height, 0.2 * d.z, l, x[15]); y[8] = w.x; y[12] = w.y; y[15] = w.z; \
-                 let g = relief_way_by_looks(iris_map, iris_map_sampler, iris, q, 0.2 * d.z - t.height, l, x[15], 4); y[13] = g.x; y[14] = g.y; y[16] = g.z; \
+                 let g = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.z - t.height, l, x[15], 4); y[8] = g.x; y[12] = g.y; y[13] = g.z; \
                  y[9] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
             ),
             draw: &draw_march,
@@ -360,10 +359,8 @@ fn the_relief_of_the_iris() {
                 let fixed = march(&iris_relief::IRIS_MARCH_FIXED);
                 let t = iris_relief::iris_texel(&view, &iris, q.uv, lod);
                 let n = iris_relief::relief_normal(&view, &iris, &q, x[14].max(0.012), lod);
-                let (aside, deep) = (0.2 * d.truncate(), 0.2 * d.z);
-                let under = deep - t.height;
-                let way = iris_relief::relief_way(&view, &iris, &q, aside, under, deep, l, lod);
-                let looks = iris_relief::relief_way_by_looks(&view, &iris, &q, under, l, lod, 4);
+                let under = 0.2 * d.z - t.height;
+                let way = iris_relief::relief_way(&view, &iris, &q, under, l, lod, 4);
                 let level = iris_relief::iris_level(view.size(), x[14], p.length(), iris.width());
                 [
                     &moved.to_array()[..],
@@ -371,7 +368,7 @@ fn the_relief_of_the_iris() {
                     &n.to_array(),
                     &[way.x, level],
                     &fixed.to_array(),
-                    &[way.y, looks.x, looks.y, way.z, looks.z],
+                    &[way.y, way.z],
                 ]
                 .concat()
             },

@@ -193,17 +193,17 @@ pub struct IrisMarch {
     pub reach: f64,
     /// In how many segments behind the border layer.
     pub segments: usize,
-    /// By how many looks light's way to each of them is known; none: it is taken for straight to where it crosses the relief.
+    /// By how many looks light's way to each of them is known.
     pub looks: usize,
 }
 
 /// By what a pixel shows, as far as a rasteriser on processors goes.
 pub const IRIS_MARCH_FAST: IrisMarch = IrisMarch {
-    fewest: 3.0,
-    most: 16.0,
-    reach: 1.3,
-    segments: 3,
-    looks: 0,
+    fewest: 5.0,
+    most: 24.0,
+    reach: 1.5,
+    segments: 5,
+    looks: 4,
 };
 /// By what a pixel shows, in a picture that is to be kept.
 pub const IRIS_MARCH_FULL: IrisMarch = IrisMarch {
@@ -283,43 +283,10 @@ pub fn stroma_of(texel: &IrisTexel) -> f64 {
     (texel.thickness - BORDER_LAYER_MM).max(0.0)
 }
 
-/// Path (mm) of light from the unit direction `towards` through the relief to what lies `depth` mm below its surface and
-/// `under` mm below its mean plane, the step `aside` (mm) from a place of it; the melanin of the border layer where the light crossed it; and
-/// the stroma (mm as dense as the mean) on its way: by a secant and a step of Newton's.
-#[expect(clippy::too_many_arguments, reason = "the shader twin's argument list")]
+/// Path (mm) of light from the unit direction `towards` through the relief to what lies `under` mm below its mean plane at this
+/// place of it, the melanin of the border layer where it came in, and the stroma (mm as dense as the mean) on its way: by this many looks
+/// along it, further apart the higher they are. Tissue that it crosses behind the first place where it leaves some is counted too.
 pub fn relief_way(
-    map: &MapView,
-    iris: &IrisFrame,
-    place: &IrisPlace,
-    aside: DVec2,
-    under: f64,
-    depth: f64,
-    towards: DVec3,
-    lod: f64,
-) -> DVec3 {
-    let up = (-towards.z).max(0.25);
-    let deep = depth.max(0.01);
-    let there = |way: f64| {
-        let step = iris_step(iris, place, aside + towards.truncate() * way);
-        iris_texel(map, iris, step, lod)
-    };
-    let first = deep / up;
-    let gap = under - deep + there(first).height;
-    let second = first * (deep / (deep - gap).max(0.25 * deep)).clamp(0.3, 4.0);
-    let crossed = there(second);
-    let left = under - up * second + crossed.height;
-    let way = (second + left / up).max(0.3 * first);
-    let stroma = stroma_over(
-        (way * up - BORDER_LAYER_MM).max(0.0),
-        stroma_of(&crossed),
-        iris,
-    );
-    DVec3::new(way, crossed.melanin, stroma / up)
-}
-
-/// The same as [`relief_way`] from below this place of it, by this many looks along it, further apart the higher they are: tissue that it crosses behind
-/// the first place where it leaves some is counted too.
-pub fn relief_way_by_looks(
     map: &MapView,
     iris: &IrisFrame,
     place: &IrisPlace,

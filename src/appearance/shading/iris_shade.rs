@@ -7,8 +7,7 @@
 
 use super::iris_relief::{
     IrisFrame, IrisMarch, IrisPlace, IrisTexel, iris_level, iris_place, iris_step, iris_texel,
-    iris_texel_mm, relief_march, relief_normal, relief_way, relief_way_by_looks, stroma_back,
-    stroma_of, stroma_over,
+    iris_texel_mm, relief_march, relief_normal, relief_way, stroma_back, stroma_of, stroma_over,
 };
 use super::mix;
 use crate::appearance::images::MapView;
@@ -171,15 +170,7 @@ pub fn iris_scattered_once(
         let along = 0.5 * (begins + ends);
         let (map, lod) = (&maps.relief, surface.lod);
         let aside = surface.direction.truncate() * along;
-        // Where light is looked for further aside, it is so from there.
-        let place = if march.looks > 0 {
-            iris_place(surface.at + aside, iris)
-        } else {
-            IrisPlace {
-                uv: iris_step(iris, &surface.place, aside),
-                ..surface.place
-            }
-        };
+        let place = iris_place(surface.at + aside, iris);
         let there = iris_texel(map, iris, place.uv, lod);
         let under = down * along - surface.texel.height;
         let depth = under + there.height;
@@ -201,17 +192,11 @@ pub fn iris_scattered_once(
         let border = tissue.border + tissue.border_melanin * there.melanin;
         let takes = border * in_border + tissue.stroma * in_stroma;
         // Light's way to its middle.
-        let way = match march.looks {
+        let way = if in_front {
             // So little of it lies in the border layer that it crosses the relief next to it.
-            _ if in_front => DVec3::new(depth.max(0.01), up * there.melanin, over(depth)) / up,
-            0 => {
-                let from = &surface.place;
-                let mut way = relief_way(map, iris, from, aside, under, depth, towards, lod);
-                // Half of its way lies in what is here, and half in what is where it crosses the relief.
-                way.z = 0.5 * (way.z + over(depth) * way.x / depth.max(0.01));
-                way
-            }
-            looks => relief_way_by_looks(map, iris, &place, under, towards, lod, looks),
+            DVec3::new(depth.max(0.01), up * there.melanin, over(depth)) / up
+        } else {
+            relief_way(map, iris, &place, under, towards, lod, march.looks)
         };
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / depth.max(0.01);

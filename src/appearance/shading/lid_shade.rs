@@ -50,13 +50,16 @@ pub fn lid_shade(span: &LidSpan, part: f64, p: DVec3) -> LidShade {
 /// How far (mm) the edge of the upper lid that casts its shadow stands before the globe, and how soft that edge is:
 /// a margin of 2 mm, rounded (choices within it).
 pub const LID_EDGE_MM: f64 = 1.3;
+/// How far (mm) that edge stands over the one that touches the globe: a margin looks down and forward, and from the front half a
+/// millimetre of it is seen (a choice).
+pub const LID_EDGE_UP_MM: f64 = 0.5;
 const LID_EDGE_SOFT_MM: f64 = 1.2;
 
 /// How much of a lamp of angular radius `radius` (rad) in the unit direction `light` (head frame) the lids leave where
 /// that is their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands.
 pub fn lid_lamp(shade: &LidShade, light: DVec3, radius: f64) -> f64 {
     let rise = (light.y / (-light.z).max(0.2)).clamp(-2.0, 3.0);
-    let below = shade.upper_gap - LID_EDGE_MM * rise;
+    let below = shade.upper_gap - (LID_EDGE_MM * rise - LID_EDGE_UP_MM).max(0.0);
     let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * radius.min(1.0);
     smoothstep(-soft, soft, below) * shade.contact
 }
@@ -125,8 +128,9 @@ mod tests {
                 };
                 lid_lamp(&shade, light, 0.1) >= 0.5
             });
-            // From there up to the edge, as the lamp's ray goes.
-            let edge = LID_EDGE_MM * elevation_deg.to_radians().tan();
+            // From there up to the edge, as the lamp's ray goes; or where the lid touches.
+            let edge = LID_EDGE_MM * elevation_deg.to_radians().tan() - LID_EDGE_UP_MM;
+            let edge = edge.max(0.0);
             assert!(
                 (half.expect("a border") - edge).abs() < 0.005,
                 "{elevation_deg}"
