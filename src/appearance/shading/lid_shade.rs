@@ -47,12 +47,12 @@ pub fn lid_shade(span: &LidSpan, part: f64, p: DVec3) -> LidShade {
     }
 }
 
-/// How far (mm) the edge of the upper lid that casts its shadow stands before the globe, and how soft that edge is:
-/// a margin of 2 mm, rounded (choices within it).
+/// How far (mm) the edge of the upper lid that casts its shadow stands before the globe: a margin of 2 mm, rounded (a choice within it).
 pub const LID_EDGE_MM: f64 = 1.3;
 /// How far (mm) that edge stands over the one that touches the globe: a margin looks down and forward, and from the front half a
 /// millimetre of it is seen (a choice).
 pub const LID_EDGE_UP_MM: f64 = 0.5;
+/// How soft (mm) the shadow's edge is (a choice).
 const LID_EDGE_SOFT_MM: f64 = 1.2;
 
 /// How much of a lamp of angular radius `radius` (rad) in the unit direction `light` (head frame) the lids leave where
