@@ -42,8 +42,12 @@ struct Globe {
     aqueous_index: f32,
     // From the globe's centre to the corneal apex.
     apex_mm: f32,
-    // Behind the apex.
+    // Behind the apex: the pupil's edge.
     iris_depth_mm: f32,
+    // Slope of the cone in which the iris falls back to its root, and how far its middle stands before that, four times, over its width.
+    iris_shape: vec2<f32>,
+    // Behind the apex: the plane of the iris' light.
+    iris_light_mm: f32,
     iris_root_mm: f32,
     limbus_mm: f32,
     pupil_center_mm: vec2<f32>,
@@ -108,7 +112,7 @@ struct Globe {
 // more than once.
 @group(#{MATERIAL_BIND_GROUP}) @binding(5) var reflectance_map: texture_2d<f32>;
 @group(#{MATERIAL_BIND_GROUP}) @binding(6) var reflectance_sampler: sampler;
-// Light on the iris plane by its obliquity, see iris_light.
+// Light on a plane through the iris by its obliquity, see iris_light.
 @group(#{MATERIAL_BIND_GROUP}) @binding(7) var light_table: texture_2d<f32>;
 // In the same projection as the sclera's map. r: blood (mm) of conjunctival vessels, g: of deeper ones, b: height (mm).
 @group(#{MATERIAL_BIND_GROUP}) @binding(8) var vessel_map: texture_2d<f32>;
@@ -187,7 +191,7 @@ fn iris_lamp_at(i: i32, at: vec2f) -> Lamp {
 #ifdef NEAR_LAMPS
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let surface = vec2f(globe.anterior_radius_mm, globe.anterior_p);
-    lamp = iris_near_lamp(light_table, reflectance_sampler, lamp, apex, vec3f(at, globe.iris_depth_mm), surface, globe.aqueous_index, globe.iris_root_mm, globe.limbus_mm);
+    lamp = iris_near_lamp(light_table, reflectance_sampler, lamp, apex, vec3f(at, globe.iris_light_mm), surface, globe.aqueous_index, globe.iris_root_mm, globe.limbus_mm);
 #endif
     return lamp;
 }
@@ -217,7 +221,8 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #endif
     var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
     if trace.valid < 0.5 {
-        return IRIS_ANGLE_COLOR * ambient(-head_from_eye()[2]) * shade.sky;
+        // What enters so far aside stays in the rim, where the sclera's lamellae begin.
+        return lamellae_reflected(1.0) * ambient(-head_from_eye()[2]) * shade.sky;
     }
 #ifdef ARTISTIC
     // From the examiner's left, by the place of the iris that is really seen.
@@ -226,8 +231,8 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         trace.direction = direction;
     }
 #endif
-    let iris = IrisFrame(globe.iris_root_mm, pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, thicken(pupil_radius_mm, globe.iris_root_mm), furrow_depth(pupil_radius_mm));
-    let at = trace.point.xy / size;
+    let iris = IrisFrame(globe.iris_root_mm, pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, thicken(pupil_radius_mm, globe.iris_root_mm), furrow_depth(pupil_radius_mm), globe.iris_shape.x, globe.iris_shape.y);
+    let at = iris_landing(trace.point.xy / size, trace.direction, iris);
     let place = iris_place(at, iris);
     // In the pupil there is no iris to be followed.
     let edge = pupil_edge(place.uv, footprint, iris_width(iris));
@@ -238,8 +243,9 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     }
     // The sky's light in the lids' shade where it comes from, before this place.
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
-    let before = lids_at(head_from_eye() * (vec3f(surface.at, globe.iris_depth_mm) + apex));
-    let around = ambient(-head_from_eye()[2]) * lid_sky_within(before, globe.iris_depth_mm, globe.aqueous_index);
+    let depth = globe.iris_depth_mm + surface.base;
+    let before = lids_at(head_from_eye() * (vec3f(surface.at, depth) + apex));
+    let around = ambient(-head_from_eye()[2]) * lid_sky_within(before, depth, globe.aqueous_index);
     var lit = vec3f(0.0);
     if edge > 0.0 || !SKIPS {
         lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;
@@ -247,23 +253,27 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     var light = around;
     for (var i = 0; i < LAMPS; i++) {
         let lamp = iris_lamp_at(i, surface.at);
-        // The table is of the iris' plane, over which the relief stands.
-        let crosses = crosses_plane(surface.at, surface.texel.height, lamp.direction, globe.aqueous_index);
-        let arrives = iris_light(light_table, reflectance_sampler, lamp.direction, crosses, globe.iris_root_mm, globe.limbus_mm);
+        // The table is of a plane, before and behind which the iris stands: once for the way there, once for what it brings.
+        let over = globe.iris_light_mm - depth + surface.texel.height;
+        let about = crosses_plane(surface.at, over, lamp.direction, globe.aqueous_index);
+        let comes = iris_light(light_table, reflectance_sampler, lamp.direction, about, globe.iris_root_mm, globe.limbus_mm);
+        let crosses = surface.at - comes.xy * (over / max(-comes.z, 0.25));
+        var arrives = iris_light(light_table, reflectance_sampler, lamp.direction, crosses, globe.iris_root_mm, globe.limbus_mm);
         // In the lids' shade where it enters.
         let cornea = vec2f(globe.anterior_radius_mm, globe.anterior_p);
-        let plane = vec3f(crosses, globe.iris_depth_mm);
+        let plane = vec3f(crosses, globe.iris_light_mm);
         let enters = light_entry(plane, arrives.xyz, cornea);
-        var gathers = beam_gathers(enters, plane, lamp.direction, cornea, globe.aqueous_index, lamp.vergence);
+        var on = beam_on(beam_gathers(enters, plane, lamp.direction, cornea, globe.aqueous_index, lamp.vergence), (depth - globe.iris_light_mm) / max(-arrives.z, 0.25));
+        arrives.w *= on.x;
         let lids = lids_at(head_from_eye() * (enters + apex));
         let color = lamp.color * lid_lamp(lids, head_from_eye() * lamp.direction, lamp.radius);
         var concentrated = 1.0;
 #ifdef ARTISTIC
         concentrated = caustic_change(arrives.w, globe.look.caustic_scale, globe.look.caustic_power);
-        gathers *= globe.look.caustic_scale;
+        on.y *= globe.look.caustic_scale;
 #endif
         if edge > 0.0 || !SKIPS {
-            lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives, gathers, MARCH);
+            lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives, on.y, MARCH);
         }
         light += color * max(-lamp.direction.z, 0.0);
     }
@@ -291,7 +301,9 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         behind += inner_image(mirror_lens_front(trace.point, trace.direction, eye), pupil_radius_mm, THIRD_IMAGE_BLUR);
         behind += crosses * inner_image(mirror_lens_back(trace.point, trace.direction, eye), pupil_radius_mm, FOURTH_IMAGE_BLUR);
     }
-    let inside = iris_and_pupil(behind, lit, light, edge, place.uv.y);
+    // Past the root, where hardly any cornea lets it be seen, the sclera's inner wall.
+    lit = mix(lit, lamellae_reflected(1.0) * light, angle_share(place.uv.y));
+    let inside = mix(behind, lit, edge);
     // The cornea itself scatters a little of the light back.
     return (inside + second) * trace.transmittance + light * globe.cornea_haze;
 }

@@ -2,8 +2,9 @@
 // light. Twin: src/appearance/shading/iris_relief.rs.
 
 // Radii (mm) of the root, the pupil and the limbus, how many times as high as its own the relief is, the pupil's centre (mm), how many
-// times as thick as in the map the stroma is (it keeps its volume), and how deep its furrows are (1 as in the map).
-struct IrisFrame { root: f32, pupil: f32, limbus: f32, relief: f32, center: vec2f, thicken: f32, furrows: f32 };
+// times as thick as in the map the stroma is (it keeps its volume), how deep its furrows are (1 as in the map), the slope of the cone in
+// which it falls back from the pupil to its root, and how far its middle stands before that, four times, over its width.
+struct IrisFrame { root: f32, pupil: f32, limbus: f32, relief: f32, center: vec2f, thicken: f32, furrows: f32, cone: f32, bow: f32 };
 
 // Radii (mm) of the pupil for which the map is made, of its root, and of the pupil at which the iris is stretched flat.
 const DESIGN_PUPIL_RADIUS_MM: f32 = 1.75;
@@ -74,14 +75,49 @@ fn iris_width(iris: IrisFrame) -> f32 {
 // pupil, one over the distance (mm) from there and over the iris' width, and by what the pupil's part in places falls with a step.
 struct IrisPlace { uv: vec2f, away: vec2f, bend: f32, dv: f32, fall: vec2f };
 
-// The place in the map of a point of the iris' plane.
-fn iris_place(p: vec2f, iris: IrisFrame) -> IrisPlace {
-    let from_axis = length(p);
-    let q = p - iris.center * (1.0 - from_axis / iris.root);
+// How far (mm) the mean iris lies behind the plane of the pupil's edge at this part of its width, 0 at that edge and 1 at the root, and how
+// fast it falls back there.
+fn iris_base(v: f32, iris: IrisFrame) -> vec2f {
+    let part = clamp(v, 0.0, 1.1);
+    return vec2f(iris_width(iris) * part * (iris.cone - iris.bow * (1.0 - part)), iris.cone - iris.bow * (1.0 - 2.0 * part));
+}
+
+// Unit direction away from the pupil's middle at a point (mm), and the distance from there.
+fn iris_away(p: vec2f, iris: IrisFrame) -> vec3f {
+    let q = p - iris.center * (1.0 - length(p) / iris.root);
     let r = max(length(q), 0.2);
+    return vec3f(q / r, r);
+}
+
+// How fast the mean iris falls back at a place, along x and y.
+fn iris_lean(place: IrisPlace, iris: IrisFrame) -> vec2f {
+    return place.away * iris_base(place.uv.y, iris).y;
+}
+
+// A direction as it is over an iris that is laid flat by moving all of it along the axis: lengths along rays and depths along the axis stay
+// what they are.
+fn iris_within(direction: vec3f, lean: vec2f) -> vec3f {
+    return vec3f(direction.xy, direction.z - dot(lean, direction.xy));
+}
+
+// Where (mm) a ray that crosses the plane of the pupil's edge at `point` meets the mean iris: by two steps after Newton, within a micrometre.
+fn iris_landing(point: vec2f, direction: vec3f, iris: IrisFrame) -> vec2f {
+    let slope = direction.xy / max(direction.z, 0.2);
+    var depth = 0.0;
+    for (var i = 0; i < 2; i++) {
+        let away = iris_away(point + slope * depth, iris);
+        let base = iris_base((away.z - iris.pupil) / iris_width(iris), iris);
+        depth += (base.x - depth) / max(1.0 - base.y * dot(away.xy, slope), 0.3);
+    }
+    return point + slope * depth;
+}
+
+// The place in the map of a point of the iris.
+fn iris_place(p: vec2f, iris: IrisFrame) -> IrisPlace {
+    let out = iris_away(p, iris);
     let dv = 1.0 / iris_width(iris);
-    let uv = vec2f(atan2(q.y, q.x) * 0.15915494 + 0.5, (r - iris.pupil) * dv);
-    return IrisPlace(uv, q / r, 1.0 / r, dv, p / (max(from_axis, 0.2) * iris.root));
+    let uv = vec2f(atan2(out.y, out.x) * 0.15915494 + 0.5, (out.z - iris.pupil) * dv);
+    return IrisPlace(uv, out.xy, 1.0 / out.z, dv, p / (max(length(p), 0.2) * iris.root));
 }
 
 // The place in the map a step (mm) away, to the third order of it: within a micrometre for a tenth of the distance from the pupil's middle.
@@ -104,32 +140,46 @@ fn iris_texel_mm(rows: f32, lod: f32, iris: IrisFrame) -> f32 {
     return iris_width(iris) / rows * exp2(lod);
 }
 
-// Level of a map of this size (texels) for a footprint (mm) at `radius` mm from the axis; a little
-// sharper than the footprint, as the eye forgives more than it misses.
-fn iris_level(size: vec2f, footprint: f32, radius: f32, width: f32) -> f32 {
-    let texels = footprint * vec2f(size.x / (6.2831853 * max(radius, 1.0)), size.y / width);
+// Square of the aqueous' index.
+const AQUEOUS_SQUARED: f32 = 1.784896;
+
+// Level of a map of this size (texels) at a place of the iris for a pixel of this footprint (mm), whose ray goes in the unit direction
+// `direction` within the aqueous and sees the iris the longer along its slant, the flatter it is there and before the cornea (their geometric
+// mean: 1.6 times from 60 degrees, where the pupil is 0.62 times as wide as high); a little sharper than that, as the eye forgives more than it
+// misses.
+fn iris_level(size: vec2f, footprint: f32, direction: vec3f, place: IrisPlace) -> f32 {
+    let slant = dot(direction.xy, direction.xy);
+    let longer = inverseSqrt(max(1.0 - AQUEOUS_SQUARED * slant, 0.05) * max(1.0 - slant, 0.05)) - 1.0;
+    let beside = dot(direction.xy, place.away);
+    let out = beside * beside / max(slant, 1e-6);
+    let along = sqrt(vec2f(1.0 + longer * (1.0 - out), 1.0 + longer * out));
+    let texels = footprint * along * size * vec2f(min(place.bend, 1.0) * 0.15915494, place.dv);
     return max(log2(max(texels.x, texels.y)) - 0.4, 0.0);
 }
 
-// How an iris is followed: the fewest and most steps of the view to its relief; how far behind it the view is followed, as a multiple
+// Half of a fibre's width, mm: what a step may not leave out however fine the map is.
+const STRAND_MM: f32 = 0.05;
+
+// How an iris is followed: the fewest and most steps of the view to its relief, and how long one is along the iris, in texels, or in
+// STRAND_MM where those are finer; how far behind it the view is followed, as a multiple
 // of how deep its back is there, and in how many segments behind the border layer; by how many looks light's way to each of them is known.
-struct IrisMarch { fewest: f32, most: f32, reach: f32, segments: i32, looks: i32 };
+struct IrisMarch { fewest: f32, most: f32, stride: f32, reach: f32, segments: i32, looks: i32 };
 
 // By what a pixel shows, as far as a rasteriser on processors goes; the same as a picture that is to be kept has it;
 // and the plain way, which they are measured against.
-const IRIS_MARCH_FAST = IrisMarch(5.0, 24.0, 1.5, 5, 4);
-const IRIS_MARCH_FULL = IrisMarch(8.0, 48.0, 1.6, 8, 4);
-const IRIS_MARCH_FIXED = IrisMarch(64.0, 64.0, 1.6, 64, 4);
+const IRIS_MARCH_FAST = IrisMarch(5.0, 24.0, 0.6, 1.5, 5, 4);
+const IRIS_MARCH_FULL = IrisMarch(8.0, 48.0, 0.25, 1.6, 8, 4);
+const IRIS_MARCH_FIXED = IrisMarch(64.0, 64.0, 0.25, 1.6, 64, 4);
 
-// How far (mm, on the iris plane) the refracted ray that lands at this place of it has moved where it meets the relief: the first
-// place where the ray is below the surface, by steps of two texels and two secants.
+// How far (mm) the refracted ray that lands at this place of the mean iris has moved aside where it meets the relief: the first place where
+// the ray (`iris_within`) is below the surface, by even steps and two secants.
 fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, direction: vec3f, lod: f32, march: IrisMarch) -> vec2f {
     let slope = direction.xy / max(direction.z, 0.2);
     // From the highest ridges, above the mean plane, to the deepest crypts below it.
     let top = 0.20 * iris.thicken * max(iris.relief, 1.0);
     let deepest = 2.0 * top;
     let texel = iris_texel_mm(f32(textureDimensions(map).y), lod, iris);
-    let steps = clamp(ceil(length(slope) * deepest / (2.0 * texel)), march.fewest, march.most);
+    let steps = clamp(ceil(length(slope) * deepest / (march.stride * max(texel, STRAND_MM))), march.fewest, march.most);
     var before = 0.0;
     var gap_before = -0.05;
     for (var i = 1.0; i <= steps; i += 1.0) {
@@ -152,15 +202,15 @@ fn relief_march(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: Ir
     return slope * (deepest - top);
 }
 
-// The relief's normal at a place, from four heights `e` mm apart.
-fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, e: f32, lod: f32) -> vec3f {
+// The normal at a place, from four heights of the relief `e` mm apart and how the iris leans.
+fn relief_normal(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, e: f32, lod: f32, lean: vec2f) -> vec3f {
     let x = vec2f(0.5 * e, 0.0);
     let rise = iris_texel(map, polar, iris, iris_step(iris, place, x), lod).height - iris_texel(map, polar, iris, iris_step(iris, place, -x), lod).height;
     let up = iris_texel(map, polar, iris, iris_step(iris, place, x.yx), lod).height - iris_texel(map, polar, iris, iris_step(iris, place, -x.yx), lod).height;
-    return normalize(vec3f(-vec2f(rise, up) / e, -1.0));
+    return normalize(vec3f(lean - vec2f(rise, up) / e, -1.0));
 }
 
-// Path (mm) of light from the unit direction `towards` through the relief to what lies `under` mm below its mean plane at this place of
+// Path (mm) of light from the direction `towards` (`iris_within`) through the relief to what lies `under` mm below the mean iris at this place of
 // it, the melanin of the border layer where it came in, and the stroma (mm as dense as the mean) on its way: by this many looks along it, further
 // apart the higher they are. Tissue that it crosses behind the first place where it leaves some is counted too.
 fn relief_way(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, place: IrisPlace, under: f32, towards: vec3f, lod: f32, looks: i32) -> vec3f {

@@ -38,13 +38,17 @@ fn iris_path(thickness: f32, towards_z: f32, view_cosine: f32) -> f32 {
     return thickness * (0.5 / AQUEOUS_SLANT) * (1.0 / max(-towards_z, 0.35) + 1.0 / max(view_cosine, 0.35));
 }
 
-// Where a refracted ray meets the iris, what is there, and the same smoothed by as much as light spreads, with how
+// Where a refracted ray meets the iris, how far (mm) the mean iris lies behind the plane of the pupil's edge there and how fast it falls back,
+// what is there, the ray's unit direction and the same over the iris laid flat; what is there smoothed by as much as light spreads, with how
 // that is turned; then how far (mm) the ray goes through the border layer, and from where it meets the iris to where it is left.
 struct IrisSurface {
     at: vec2f,
     place: IrisPlace,
+    base: f32,
+    lean: vec2f,
     texel: IrisTexel,
     direction: vec3f,
+    within: vec3f,
     lod: f32,
     smooth_texel: IrisTexel,
     smooth_normal: vec3f,
@@ -52,19 +56,23 @@ struct IrisSurface {
     reach: f32,
 };
 
-// Where a refracted ray that lands at `point` of the iris' plane, `start` in the map, meets it.
+// Where a refracted ray that lands at `point` of the mean iris, `start` in the map, meets it.
 fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: vec2f, start: IrisPlace, direction: vec3f, footprint: f32, march: IrisMarch) -> IrisSurface {
     let size = vec2f(textureDimensions(map));
-    let lod = iris_level(size, footprint, length(point), iris_width(iris));
-    let at = point + relief_march(map, polar, iris, start, direction, lod, march);
+    let lod = iris_level(size, footprint, direction, start);
+    let flat = iris_within(direction, iris_lean(start, iris));
+    let at = point + relief_march(map, polar, iris, start, flat, lod, march);
     let place = iris_place(at, iris);
+    let base = iris_base(place.uv.y, iris).x;
+    let lean = iris_lean(place, iris);
+    let within = iris_within(direction, lean);
     let texel = iris_texel(map, polar, iris, place.uv, lod);
     let spread = max(lod, log2(IRIS_SPREAD_MM / iris_texel_mm(size.y, 0.0, iris)));
     let smooth_texel = iris_texel(map, polar, iris, place.uv, spread);
     let normal_lod = max(lod, log2(IRIS_LEVEL_MM / iris_texel_mm(size.y, 0.0, iris)));
-    let smooth_normal = relief_normal(map, polar, iris, place, max(footprint, IRIS_LEVEL_MM), normal_lod);
+    let smooth_normal = relief_normal(map, polar, iris, place, max(footprint, IRIS_LEVEL_MM), normal_lod, lean);
 
-    let down = max(direction.z, 0.35);
+    let down = max(within.z, 0.35);
     // As if the relief were level, and as deep as it is there.
     let level = BORDER_LAYER_MM / down;
     let reached = down * level + iris_texel(map, polar, iris, iris_step(iris, place, direction.xy * level), lod).height - texel.height;
@@ -72,7 +80,7 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
     // Further than to the back of what is there: the view may leave a ridge and meet the next.
     let back = BORDER_LAYER_MM + stroma_back(stroma_of(texel), iris);
     let reach = border + max(march.reach * back / down - border, 0.03);
-    return IrisSurface(at, place, texel, direction, lod, smooth_texel, smooth_normal, border, reach);
+    return IrisSurface(at, place, base, lean, texel, direction, within, lod, smooth_texel, smooth_normal, border, reach);
 }
 
 // Diffuse reflectance of tissue on the path of light that arrives with this z: of all light (`half` 0) or of what is scattered more
@@ -90,15 +98,16 @@ fn iris_covered(texel: IrisTexel) -> f32 {
 }
 
 // Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction `towards`: the
-// border layer and segments behind it, each in closed form; the beam gathers by this share of itself a mm (`beam_gathers`).
+// border layer and segments behind it, each in closed form; the beam gathers by this share of itself a mm behind the mean iris (`beam_on`).
 fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, towards: vec3f, gathers: f32, march: IrisMarch) -> vec3f {
     let cosine = dot(towards, surface.direction);
     let rayleigh = vec3f(phase_rayleigh(cosine));
     let bundles = vec3f(mix(phase_henyey_greenstein(cosine, BUNDLE_COSINE), PHASE_ISOTROPIC, BUNDLE_SIDEWAYS));
     let from_border = tissue.border_scattering * mix(bundles, rayleigh, tissue.border_fibrils);
     let from_stroma = tissue.stroma_scattering * mix(bundles, rayleigh, tissue.stroma_fibrils);
-    let down = max(surface.direction.z, 0.35);
-    let up = max(-towards.z, 0.25);
+    let light = iris_within(towards, surface.lean);
+    let down = max(surface.within.z, 0.35);
+    let up = max(-light.z, 0.25);
     var scattered = vec3f(0.0);
     var passed = vec3f(1.0);
     var begins = 0.0;
@@ -135,7 +144,7 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
             // So little of it lies in the border layer that it crosses the relief next to it.
             way = vec3f(max(depth, 0.01) / up, there.melanin, over.y / up);
         } else {
-            way = relief_way(map, polar, iris, place, under, towards, surface.lod, march.looks);
+            way = relief_way(map, polar, iris, place, under, light, surface.lod, march.looks);
         }
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / max(depth, 0.01);
@@ -153,14 +162,15 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
     return tissue.weights * scattered;
 }
 
-// What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`) and gathers
-// (`beam_gathers`).
+// What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`) at the mean iris and gathers
+// (`beam_on`).
 fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, arrives: vec4f, gathers: f32, march: IrisMarch) -> vec3f {
     // Across the beam, from the plane of the iris.
     let across = arrives.w / max(-arrives.z, 0.2);
     let once = iris_scattered_once(map, polar, iris, tissue, surface, arrives.xyz, gathers, march) * (3.14159265 * across);
     let spread = across * max(dot(surface.smooth_normal, arrives.xyz), 0.0);
-    let again = spread * iris_reflectance(reflectance_map, linear, surface, arrives.z, 1.0);
+    let slant = iris_within(arrives.xyz, surface.lean).z;
+    let again = spread * iris_reflectance(reflectance_map, linear, surface, slant, 1.0);
     return (max(once, vec3f(0.0)) + again) * iris_covered(surface.texel);
 }
 
@@ -176,6 +186,11 @@ fn iris_ambient(reflectance_map: texture_2d<f32>, linear: sampler, surface: Iris
     return arrives * iris_covered(surface.texel) * iris_reflectance(reflectance_map, linear, surface, -IRIS_SKY_COSINE, 0.0);
 }
 
+// Share of what is seen past the root at this part of the iris' width.
+fn angle_share(v: f32) -> f32 {
+    return smoothstep(1.0, 1.02, v);
+}
+
 // Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven
 // and softened over a pixel.
 fn pupil_edge(uv: vec2f, footprint: f32, width: f32) -> f32 {
@@ -184,11 +199,3 @@ fn pupil_edge(uv: vec2f, footprint: f32, width: f32) -> f32 {
     return smoothstep(-soft, soft, uv.y - uneven);
 }
 
-// Reflectance of the dark angle behind the limbus.
-const IRIS_ANGLE_COLOR = vec3<f32>(0.035, 0.033, 0.032);
-
-// Pupil, iris and, past the root, the dark angle in this `light`, each by its share.
-fn iris_and_pupil(pupil: vec3f, iris: vec3f, light: vec3f, edge: f32, v: f32) -> vec3f {
-    let beyond = smoothstep(1.0, 1.12, v);
-    return mix(pupil, mix(iris, IRIS_ANGLE_COLOR * light, beyond), edge);
-}

@@ -26,16 +26,16 @@ fn near_concentration(concentrated: f32, entry: vec3f, point: vec3f, light: vec3
     return narrowed * narrowed / ((narrowed + spread) * (narrowed + spread * slant * slant));
 }
 
-// Where light from the unit direction `light` before the cornea that reaches a place `height` mm above the iris' plane would cross
+// Where light from the unit direction `light` before the cornea that reaches a place `height` mm before the plane of the table would cross
 // that, mm; about, as a level cornea would turn it.
 fn crosses_plane(at: vec2f, height: f32, light: vec3f, n: f32) -> vec2f {
     let slant = light.xy / n;
     return at - slant * (height * inverseSqrt(max(1.0 - dot(slant, slant), 0.1)));
 }
 
-// By which share of itself (1/mm) a beam that has entered at `entry` grows on its way on from `point`: the cornea focuses it (Coddington's
+// How a beam that has entered at `entry` converges at `point`, 1/mm, across the meridian and along it: the cornea focuses it (Coddington's
 // equations, the plane of incidence taken for the meridian's). `vergence` (1/mm) is that of a near lamp.
-fn beam_gathers(entry: vec3f, point: vec3f, light: vec3f, surface: vec2f, n: f32, vergence: f32) -> f32 {
+fn beam_gathers(entry: vec3f, point: vec3f, light: vec3f, surface: vec2f, n: f32, vergence: f32) -> vec2f {
     let normal = conicoid_normal(entry, surface.x, surface.y);
     let path = distance(entry, point);
     let towards = (entry - point) / max(path, 1e-6);
@@ -47,9 +47,16 @@ fn beam_gathers(entry: vec3f, point: vec3f, light: vec3f, surface: vec2f, n: f32
     let power = n * inside - outside;
     let sagittal = (power / across - vergence) / n;
     let tangential = (power / along - vergence * outside * outside) / (n * inside * inside);
-    let growth = sagittal / max(1.0 - sagittal * path, 0.2) + tangential / max(1.0 - tangential * path, 0.2);
+    let focus = vec2f(sagittal, tangential);
     // Light that found no entry has no way of its own.
-    return select(0.0, growth, path > 1e-6);
+    return select(vec2f(0.0), focus / max(1.0 - focus * path, vec2f(0.2)), path > 1e-6);
+}
+
+// How many times as strong a beam that converges so (1/mm, `beam_gathers`) is `way` mm on, and by which share of itself (1/mm) it grows
+// there.
+fn beam_on(converges: vec2f, way: f32) -> vec2f {
+    let left = max(1.0 - converges * way, vec2f(0.3));
+    return vec2f(1.0 / (left.x * left.y), dot(converges, 1.0 / left));
 }
 
 // A lamp (its direction in the eye frame) as it is where its light to `point` of the iris enters the cornea, with the light that

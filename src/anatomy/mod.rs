@@ -15,9 +15,9 @@ mod media;
 pub mod visual_field;
 
 pub use components::{
-    Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, Iris, IrisColor,
-    Laterality, Lens, Lids, PUPIL_RANGE, PUPIL_RANGE_MM, PUPIL_RANGE_WITH_UNIT, PUPIL_SETTINGS,
-    Patient, Pupil, PupilControl, Refraction, Sclera, Skin, USUAL_PUPIL_MM,
+    Accommodation, Adaptation, Cornea, Effective, Eye, EyeOf, Eyelids, Eyes, Gaze, IRIS_CONE_DEG,
+    Iris, IrisColor, Laterality, Lens, Lids, PUPIL_RANGE, PUPIL_RANGE_MM, PUPIL_RANGE_WITH_UNIT,
+    PUPIL_SETTINGS, Patient, Pupil, PupilControl, Refraction, Sclera, Skin, USUAL_PUPIL_MM,
 };
 pub use look::Look;
 pub use media::{

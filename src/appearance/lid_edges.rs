@@ -150,6 +150,8 @@ mod tests {
             border_layer_melanin_fraction: None,
             eumelanin_ratio: None,
             depth_mm: 3.6,
+            cone_deg: crate::anatomy::IRIS_CONE_DEG,
+            bowing_mm: None,
             root_radius_mm: 6.05,
             freckles: 0.0,
             sector_deg: 0.0,

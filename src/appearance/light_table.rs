@@ -71,7 +71,7 @@ pub struct LightTableSettings {
     pub surface: DVec2,
     /// Index behind it.
     pub index: f64,
-    /// Depth of the iris plane, mm.
+    /// Depth of a plane through the iris, mm.
     pub iris_z: f64,
     /// Radius of the iris root, mm.
     pub root_mm: f64,
@@ -150,13 +150,19 @@ impl LightTableSettings {
         IrisLight::default()
     }
 
-    /// Irradiance of the iris plane under an even sky of radiance 1/π (an irradiance of one in front of the eye), at [`SKY_RADII`] places
-    /// evenly from the axis to the table's reach. What limbus and critical angle keep away is missing in it.
-    pub fn sky(&self) -> [f64; SKY_RADII] {
+    /// Irradiance of an iris, which lies so deep (mm) and falls back so fast this far (mm) from the axis (`iris`), under an even sky of radiance
+    /// 1/π (an irradiance of one in front of the eye), at [`SKY_RADII`] places evenly from the axis to the table's reach. What limbus and
+    /// critical angle keep away is missing in it.
+    pub fn sky(&self, iris: impl Fn(f64) -> DVec2) -> [f64; SKY_RADII] {
         const RINGS: usize = 20;
         const TURNS: usize = 24;
         core::array::from_fn(|i| {
             let radius = self.root_mm * REACH * i as f64 / (SKY_RADII - 1) as f64;
+            let DVec2 { x: depth, y: slope } = iris(radius);
+            let there = Self {
+                iris_z: depth,
+                ..*self
+            };
             let mut sum = 0.0;
             for ring in 0..RINGS {
                 // Even steps of the cosine are even steps of solid angle.
@@ -168,7 +174,11 @@ impl LightTableSettings {
                         + ring as f64 * 2.399_963;
                     let light = DVec3::new(sine * angle.cos(), sine * angle.sin(), -cosine);
                     let place = DVec2::new(radius, 0.0);
-                    sum += self.exact(light, place).irradiance(self.limbus_mm);
+                    let found = there.exact(light, place);
+                    // From the plane to what leans against it.
+                    let up = (1.0 - found.towards.length_squared()).max(0.04).sqrt();
+                    let leans = (slope * found.towards.x + up) / (1.0 + slope * slope).sqrt();
+                    sum += found.irradiance(self.limbus_mm) * leans.max(0.0) / up;
                 }
             }
             // 2π of solid angle, of radiance 1/π.
@@ -273,18 +283,25 @@ mod tests {
     #[test]
     fn the_sky_is_that_of_its_integral() {
         let settings = settings();
-        let sky = settings.sky();
+        let iris = |r: f64| DVec2::new(3.4 + 0.1 * r, 0.1);
+        let sky = settings.sky(iris);
         // Twice as fine, and turned.
         let exact = |r: f64| {
+            let there = LightTableSettings {
+                iris_z: iris(r).x,
+                ..settings
+            };
+            let normal = DVec3::new(0.0, iris(r).y, -1.0).normalize();
             let mut sum = 0.0;
             for ring in 0..24 {
                 let cosine: f64 = (f64::from(ring) + 0.5) / 24.0;
                 for turn in 0..50 {
                     let turn = f64::from(turn) * 0.125_664 + f64::from(ring) * 2.399_963;
                     let light = light(cosine.acos().to_degrees(), turn);
-                    sum += settings
-                        .exact(light, DVec2::new(0.0, r))
-                        .irradiance(settings.limbus_mm);
+                    let found = there.exact(light, DVec2::new(0.0, r));
+                    let up = (1.0 - found.towards.length_squared()).sqrt();
+                    let across = found.irradiance(settings.limbus_mm) / up.max(1e-6);
+                    sum += across * found.towards.extend(-up).dot(normal).max(0.0);
                 }
             }
             2.0 * sum / (24.0 * 50.0)

@@ -98,6 +98,10 @@ pub struct GlobeUniform {
     pub apex_mm: f32,
     /// Iris behind the apex.
     pub iris_depth_mm: f32,
+    /// Slope of the cone in which it falls back to its root, and how far its middle stands before that, four times, over its width.
+    pub iris_shape: Vec2,
+    /// Behind the apex: the plane of the iris' light ([`super::light_table`]).
+    pub iris_light_mm: f32,
     /// Radius of its root.
     pub iris_root_mm: f32,
     /// Radius of the limbus.

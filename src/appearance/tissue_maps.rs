@@ -2,13 +2,14 @@
 
 use super::build::Anatomy;
 use super::images::{byte_map_image, map_image};
-use super::iris_map::{IrisMapSettings, IrisStroma};
+use super::iris_map::{DESIGN_PUPIL_RADIUS_MM, IrisMapSettings, IrisStroma};
 use super::light_table::{LightTableSettings, LightTableSize, SKY_RADII};
 use super::materials::{GlobeUniform, LidMargins};
 use super::model::side;
 use super::sclera_map::{ScleraMap, ScleraMapSettings};
+use super::shading::iris_relief::{IrisFrame, iris_base};
 use super::shading::sclera_shade::EPISCLERAL_DEPTH_MM;
-use crate::anatomy::{Cornea, Iris, Sclera, Skin};
+use crate::anatomy::{Iris, Sclera, Skin};
 use crate::frame::ledger::WorkLedger;
 use crate::frame::mips::chain;
 use crate::optics::fresnel::diffuse_surface;
@@ -153,7 +154,7 @@ impl TissueMaps {
         anatomy: &Anatomy<'_>,
         store: &mut ImageStore<'_>,
     ) -> Handle<Image> {
-        let key = light_settings(anatomy.cornea, anatomy.iris);
+        let key = light_settings(anatomy);
         let [table] = store.kept(&mut self.light, key, |settings| [light_image(settings)]);
         table
     }
@@ -287,14 +288,41 @@ pub(super) fn color(rgb: [f64; 3]) -> Vec3 {
     bevy::math::DVec3::from(rgb).as_vec3()
 }
 /// What the light table of this cornea and iris is made of.
-pub(super) fn light_settings(cornea: &Cornea, iris: &Iris) -> LightTableSettings {
+/// The plane is that of the middle of the iris.
+pub(super) fn light_settings(anatomy: &Anatomy<'_>) -> LightTableSettings {
+    let (cornea, iris) = (anatomy.cornea, anatomy.iris);
     LightTableSettings {
         surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
         index: cornea.aqueous_index,
-        iris_z: iris.depth_mm,
+        iris_z: iris.depth_mm + iris_base(0.5, &mean_frame(anatomy)).x,
         root_mm: iris.root_radius_mm,
         limbus_mm: cornea.limbus_radius_mm,
     }
+}
+/// The iris without its relief, by the pupil for which its map is made.
+pub(super) fn mean_frame(anatomy: &Anatomy<'_>) -> IrisFrame {
+    let iris = anatomy.iris;
+    let pupil = f64::from(DESIGN_PUPIL_RADIUS_MM);
+    let width = (iris.root_radius_mm - pupil).max(1.0);
+    IrisFrame {
+        root: iris.root_radius_mm,
+        pupil,
+        limbus: anatomy.cornea.limbus_radius_mm,
+        relief: 0.0,
+        center: DVec2::ZERO,
+        thicken: 1.0,
+        furrows: 0.0,
+        cone: iris.cone_deg.to_radians().tan(),
+        bow: 4.0 * iris.bowing_at(anatomy.patient.age_years) / width,
+    }
+}
+/// Irradiance of an iris under an even sky, by [`super::light_table::iris_sky_knot`].
+fn iris_sky(anatomy: &Anatomy<'_>) -> [f64; SKY_RADII] {
+    let (frame, settings) = (mean_frame(anatomy), light_settings(anatomy));
+    settings.sky(|radius| {
+        let base = iris_base((radius - frame.pupil) / frame.width(), &frame);
+        DVec2::new(anatomy.iris.depth_mm + base.x, base.y)
+    })
 }
 fn light_image(settings: &LightTableSettings) -> Image {
     map_image(&[settings.table(LightTableSize::PICTURE)], false)
@@ -341,6 +369,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         eye, cornea, iris, ..
     } = anatomy;
     let [lamellae_reflect, lamellae_pass] = lamellae_of(anatomy.sclera);
+    let frame = mean_frame(anatomy);
     GlobeUniform {
         lids: LidMargins::default(),
         head_from_eye: Mat4::IDENTITY,
@@ -353,6 +382,8 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         aqueous_index: cornea.aqueous_index as f32,
         apex_mm: shape.apex_distance_mm() as f32,
         iris_depth_mm: iris.depth_mm as f32,
+        iris_shape: DVec2::new(frame.cone, frame.bow).as_vec2(),
+        iris_light_mm: light_settings(anatomy).iris_z as f32,
         iris_root_mm: iris.root_radius_mm as f32,
         limbus_mm: cornea.limbus_radius_mm as f32,
         sclera_radius_mm: eye.scleral_radius_mm as f32,
@@ -362,7 +393,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         flesh: pigmented(flesh(anatomy.sclera), anatomy.skin, CARUNCLE_MELANIN),
         above_vessels: above_vessels(anatomy.sclera),
         iris_sky: {
-            let sky = light_settings(cornea, iris).sky().map(|value| value as f32);
+            let sky = iris_sky(anatomy).map(|value| value as f32);
             core::array::from_fn(|i| {
                 let next = sky[(i + 1).min(SKY_RADII - 1)];
                 Vec4::new(sky[i], next, 0.0, 0.0)

@@ -4,7 +4,8 @@
 //! otherwise), and [`FIELDS`], which checks, controls and the README's table are made from.
 
 use crate::anatomy::{
-    IrisColor, Laterality, Lids, Look, PUPIL_RANGE_MM, PUPIL_SETTINGS, Patient, Sclera, Skin,
+    IRIS_CONE_DEG, IrisColor, Laterality, Lids, Look, PUPIL_RANGE_MM, PUPIL_SETTINGS, Patient,
+    Sclera, Skin,
 };
 use crate::conditions::{Affected, Condition, with_conditions};
 use bevy::ecs::component::Component;
@@ -392,7 +393,8 @@ with_conditions! { patient_file! {
         cornea_index = 1.376, 1 to 1.6, "", "refractive index of the cornea";
         aqueous_index = 1.336, 1 to 1.6, "", "refractive index of the aqueous";
         limbus_radius_mm = 5.85, 5 to 6.5, "mm", "radius of the limbus";
-        iris_depth_mm = 3.6, 2.5 to 4.5, "mm", "iris behind the corneal apex";
+        iris_depth_mm = 3.6, 2.5 to 4.5, "mm", "pupil's edge behind the corneal apex";
+        iris_cone_deg = IRIS_CONE_DEG, -5 to 20, "°", "cone in which the iris falls back from the pupil to its root";
         iris_freckles = 5.0, 0 to 80, "", "freckles on the iris";
         iris_sector_deg = 0.0, 0 to 360, "°", "width of a brown sector of the iris; 0 is none";
         iris_sector_at_deg = 270.0, 0 to 360, "°", "middle of that sector, counted as axes are";
@@ -429,6 +431,7 @@ with_conditions! { patient_file! {
         stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";
         border_layer_melanin_fraction, 0 to 0.5, "", "melanin in the anterior border layer; by class without it";
         eumelanin_ratio, 0 to 1, "", "eumelanin in all melanin; by class without it";
+        iris_bowing_mm, -0.4 to 0.6, "mm", "how far the iris' middle stands before that cone, negative behind it; by age without it";
         arcus, 0 to 1, "", "lipid in the rim of the cornea; by age without it";
         accommodation_amplitude_d, 0 to 20, "D", "most that the lens can add; by age without it";
     }

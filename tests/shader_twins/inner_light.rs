@@ -206,7 +206,8 @@ fn near_lamps() {
             call: "let p = vec3f(x[0], x[1], x[2]); let s = vec2f(x[6], x[7]); let k = light_entry(p, vec3f(x[3], x[4], x[5]), s); \
                 y[0] = k.x; y[1] = k.y; y[2] = k.z; \
                 y[3] = near_concentration(x[8], k, p, vec3f(x[9], x[10], x[11]), s, 1.336, x[12]); \
-                y[4] = beam_gathers(k, p, vec3f(x[9], x[10], x[11]), s, 1.336, x[12]); \
+                let g = beam_gathers(k, p, vec3f(x[9], x[10], x[11]), s, 1.336, x[12]); y[4] = g.x; y[7] = g.y; \
+                let o = beam_on(g, 0.5 * (x[8] - 1.0)); y[8] = o.x; y[9] = o.y; \
                 let c = crosses_plane(p.xy, 0.1 * x[8], vec3f(x[9], x[10], x[11]), 1.336); y[5] = c.x; y[6] = c.y;",
             draw: &|rng| {
                 let mut x = vec![between(rng, -5.0, 5.0), between(rng, -5.0, 5.0)];
@@ -233,7 +234,10 @@ fn near_lamps() {
                 let light = v3(&x[9..]);
                 let gathers = near_light::beam_gathers(k, point, light, shape, 1.336, x[12]);
                 let crosses = near_light::crosses_plane(v2(x), 0.1 * x[8], light, 1.336);
-                vec![k.x, k.y, k.z, near, gathers, crosses.x, crosses.y]
+                let on = near_light::beam_on(gathers, 0.5 * (x[8] - 1.0));
+                vec![
+                    k.x, k.y, k.z, near, gathers.x, crosses.x, crosses.y, gathers.y, on.x, on.y,
+                ]
             },
             absolute: 1e-5,
             relative: 0.0,

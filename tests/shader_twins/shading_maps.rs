@@ -258,10 +258,12 @@ fn iris_of(x: &[f64]) -> IrisFrame {
         center: v2(&x[4..]),
         thicken: 1.3,
         furrows: 0.7,
+        cone: 0.15,
+        bow: 0.2,
     }
 }
 
-const IRIS: &str = "let iris = IrisFrame(x[0], x[1], x[2], x[3], vec2f(x[4], x[5]), 1.3, 0.7); let p = vec2f(x[6], x[7]);";
+const IRIS: &str = "let iris = IrisFrame(x[0], x[1], x[2], x[3], vec2f(x[4], x[5]), 1.3, 0.7, 0.15, 0.2); let p = vec2f(x[6], x[7]);";
 
 #[test]
 fn places_of_the_iris() {
@@ -288,6 +290,46 @@ fn places_of_the_iris() {
         },
         &[],
         4,
+        0.01,
+    );
+}
+
+#[test]
+fn where_rays_land_on_the_iris() {
+    pass_unless_off(
+        &Twin {
+            name: "iris_landing",
+            library: &["iris_relief"],
+            call: &format!(
+                "{IRIS} let d = vec3f(x[8], x[9], x[10]); let m = iris_landing(p, d, iris); y[0] = m.x; y[1] = m.y; \
+                 let b = iris_base(x[11], iris); y[2] = b.x; y[3] = b.y; \
+                 let l = iris_lean(iris_place(p, iris), iris); y[4] = l.x; y[5] = l.y; y[6] = iris_within(d, l).z;"
+            ),
+            draw: &|rng| {
+                let mut x = draw_march(rng);
+                x[11] = between(rng, -0.2, 1.2);
+                x
+            },
+            exact: &|x| {
+                let (iris, p, d) = (iris_of(x), v2(&x[6..]), v3(&x[8..]));
+                let landing = iris_relief::iris_landing(p, d, &iris);
+                let base = iris_relief::iris_base(x[11], &iris);
+                let lean = iris_relief::iris_lean(&iris_relief::iris_place(p, &iris), &iris);
+                let within = iris_relief::iris_within(d, lean);
+                [landing, base, lean]
+                    .iter()
+                    .flat_map(|v| v.to_array())
+                    .chain([within.z])
+                    .collect()
+            },
+            // Places are up to 6.5 mm, good to a few roundings.
+            absolute: 1e-5,
+            relative: 0.0,
+            // Where the mean iris begins and ends, its slope jumps.
+            steep_share: 0.005,
+        },
+        &[],
+        8,
         0.01,
     );
 }
@@ -345,9 +387,9 @@ fn the_relief_of_the_iris() {
                  let m = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], IRIS_MARCH_FAST); y[0] = m.x; y[1] = m.y; \
                  let f = relief_march(iris_map, iris_map_sampler, iris, q, d, x[15], IRIS_MARCH_FIXED); y[10] = f.x; y[11] = f.y; \
                  let t = iris_texel(iris_map, iris_map_sampler, iris, q.uv, x[15]); y[2] = t.height; y[3] = t.thickness; y[4] = t.melanin; \
-                 let n = relief_normal(iris_map, iris_map_sampler, iris, q, max(x[14], 0.012), x[15]); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
+                 let n = relief_normal(iris_map, iris_map_sampler, iris, q, max(x[14], 0.012), x[15], iris_lean(q, iris)); y[5] = n.x; y[6] = n.y; y[7] = n.z; \
                  let g = relief_way(iris_map, iris_map_sampler, iris, q, 0.2 * d.z - t.height, l, x[15], 4); y[8] = g.x; y[12] = g.y; y[13] = g.z; \
-                 y[9] = iris_level(vec2f(textureDimensions(iris_map)), x[14], length(p), iris_width(iris));"
+                 y[9] = iris_level(vec2f(textureDimensions(iris_map)), x[14], d, q);"
             ),
             draw: &draw_march,
             exact: &|x| {
@@ -358,10 +400,11 @@ fn the_relief_of_the_iris() {
                 let moved = march(&iris_relief::IRIS_MARCH_FAST);
                 let fixed = march(&iris_relief::IRIS_MARCH_FIXED);
                 let t = iris_relief::iris_texel(&view, &iris, q.uv, lod);
-                let n = iris_relief::relief_normal(&view, &iris, &q, x[14].max(0.012), lod);
+                let lean = iris_relief::iris_lean(&q, &iris);
+                let n = iris_relief::relief_normal(&view, &iris, &q, x[14].max(0.012), lod, lean);
                 let under = 0.2 * d.z - t.height;
                 let way = iris_relief::relief_way(&view, &iris, &q, under, l, lod, 4);
-                let level = iris_relief::iris_level(view.size(), x[14], p.length(), iris.width());
+                let level = iris_relief::iris_level(view.size(), x[14], d, &q);
                 [
                     &moved.to_array()[..],
                     &[t.height, t.thickness, t.melanin],
@@ -485,13 +528,12 @@ fn the_light_of_the_iris() {
 fn what_shows_through_the_pupil() {
     let call = format!(
         "{IRIS} let c = x[14] * vec3f(0.012, 0.010, 0.006); {RGB_OUT} \
-         y[3] = pupil_edge(p, x[15], iris_width(iris)); let m = iris_and_pupil(c, vec3f(x[11], x[12], x[13]), vec3f(x[8], x[9], x[10]), y[3], p.y); \
-         y[4] = m.x; y[5] = m.y; y[6] = m.z; \
-         y[7] = iris_path(x[14], -x[15], x[9]);"
+         y[3] = pupil_edge(p, x[15], iris_width(iris)); y[4] = angle_share(p.y); \
+         y[5] = iris_path(x[14], -x[15], x[9]);"
     );
     pass_unless_off(
         &Twin {
-            name: "iris_and_pupil",
+            name: "pupil_edge",
             library: &["iris_shade"],
             call: &call,
             draw: &|rng| {
@@ -505,10 +547,9 @@ fn what_shows_through_the_pupil() {
                 let (place, iris) = (v2(&x[6..]), iris_of(x));
                 let pupil = x[14] * DVec3::new(0.012, 0.010, 0.006);
                 let edge = iris_shade::pupil_edge(place, x[15], iris.width());
-                let both =
-                    iris_shade::iris_and_pupil(pupil, v3(&x[11..]), v3(&x[8..]), edge, place.y);
                 let path = iris_shade::iris_path(x[14], -x[15], x[9]);
-                [rgb(pupil), vec![edge], rgb(both), vec![path]].concat()
+                let angle = iris_shade::angle_share(place.y);
+                [rgb(pupil), vec![edge, angle, path]].concat()
             },
             // WGSL allows a sine 2^-11, of 0.011, over the softest edge of 0.016 with slope 1.5.
             absolute: 6e-4,

@@ -109,6 +109,8 @@ fn every_number_is_where_its_shader_reads_it() {
         aqueous_index = 9.0,
         apex_mm = 9.0,
         iris_depth_mm = 9.0,
+        iris_shape = Vec2::splat(9.0),
+        iris_light_mm = 9.0,
         iris_root_mm = 9.0,
         limbus_mm = 9.0,
         pupil_center_mm = Vec2::splat(9.0),

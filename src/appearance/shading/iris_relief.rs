@@ -25,6 +25,10 @@ pub struct IrisFrame {
     pub thicken: f64,
     /// How deep its contraction furrows are, 1 as in the map.
     pub furrows: f64,
+    /// Slope of the cone in which it falls back from the pupil's edge to its root.
+    pub cone: f64,
+    /// How far its middle stands before that cone, four times, over its width: by how much its slope is less at the pupil, more at the root.
+    pub bow: f64,
 }
 
 impl IrisFrame {
@@ -134,18 +138,58 @@ pub struct IrisPlace {
     pub fall: DVec2,
 }
 
-/// The place in the map of a point (mm) of the iris' plane.
-pub fn iris_place(p: DVec2, iris: &IrisFrame) -> IrisPlace {
-    let from_axis = p.length();
-    let q = p - iris.center * (1.0 - from_axis / iris.root);
+/// How far (mm) the mean iris lies behind the plane of the pupil's edge at this part of its width, 0 at that edge and 1 at the root, and
+/// how fast it falls back there.
+pub fn iris_base(v: f64, iris: &IrisFrame) -> DVec2 {
+    let v = v.clamp(0.0, 1.1);
+    DVec2::new(
+        iris.width() * v * (iris.cone - iris.bow * (1.0 - v)),
+        iris.cone - iris.bow * (1.0 - 2.0 * v),
+    )
+}
+
+/// Unit direction away from the pupil's middle at a point (mm), and the distance from there.
+pub fn iris_away(p: DVec2, iris: &IrisFrame) -> DVec3 {
+    let q = p - iris.center * (1.0 - p.length() / iris.root);
     let r = q.length().max(0.2);
+    (q / r).extend(r)
+}
+
+/// How fast the mean iris falls back at a place, along x and y.
+pub fn iris_lean(place: &IrisPlace, iris: &IrisFrame) -> DVec2 {
+    place.away * iris_base(place.uv.y, iris).y
+}
+
+/// A direction as it is over an iris that is laid flat by moving all of it along the axis: lengths along rays and depths along the
+/// axis stay what they are.
+pub fn iris_within(direction: DVec3, lean: DVec2) -> DVec3 {
+    direction - DVec3::Z * lean.dot(direction.truncate())
+}
+
+/// Where (mm) a ray that crosses the plane of the pupil's edge at `point` meets the mean iris: by two steps after Newton, within a
+/// micrometre.
+pub fn iris_landing(point: DVec2, direction: DVec3, iris: &IrisFrame) -> DVec2 {
+    let slope = direction.truncate() / direction.z.max(0.2);
+    let mut depth = 0.0;
+    for _ in 0..2 {
+        let away = iris_away(point + slope * depth, iris);
+        let base = iris_base((away.z - iris.pupil) / iris.width(), iris);
+        let nears = 1.0 - base.y * away.truncate().dot(slope);
+        depth += (base.x - depth) / nears.max(0.3);
+    }
+    point + slope * depth
+}
+
+/// The place in the map of a point (mm) of the iris.
+pub fn iris_place(p: DVec2, iris: &IrisFrame) -> IrisPlace {
+    let out = iris_away(p, iris);
     let dv = 1.0 / iris.width();
     IrisPlace {
-        uv: DVec2::new(q.y.atan2(q.x) / TAU + 0.5, (r - iris.pupil) * dv),
-        away: q / r,
-        bend: 1.0 / r,
+        uv: DVec2::new(out.y.atan2(out.x) / TAU + 0.5, (out.z - iris.pupil) * dv),
+        away: out.truncate(),
+        bend: 1.0 / out.z,
         dv,
-        fall: p / (from_axis.max(0.2) * iris.root),
+        fall: p / (p.length().max(0.2) * iris.root),
     }
 }
 
@@ -175,12 +219,26 @@ pub fn iris_texel_mm(rows: f64, lod: f64, iris: &IrisFrame) -> f64 {
     iris.width() / rows * lod.exp2()
 }
 
-/// Level of a map of this size (texels) for a footprint (mm) at `radius` mm from the axis; a little
-/// sharper than the footprint, as the eye forgives more than it misses.
-pub fn iris_level(size: DVec2, footprint: f64, radius: f64, width: f64) -> f64 {
-    let texels = footprint * size / DVec2::new(TAU * radius.max(1.0), width);
+/// Square of the aqueous' index.
+const AQUEOUS_SQUARED: f64 = 1.336 * 1.336;
+
+/// Level of a map of this size (texels) at a place of the iris for a pixel of this footprint (mm), whose ray goes in the unit direction
+/// `direction` within the aqueous and sees the iris the longer along its slant, the flatter it is there and before the cornea (their
+/// geometric mean: 1.6 times from 60°, where the pupil is 0.62 times as wide as high); a little sharper than that, as the eye forgives
+/// more than it misses.
+pub fn iris_level(size: DVec2, footprint: f64, direction: DVec3, place: &IrisPlace) -> f64 {
+    let slant = direction.truncate().length_squared();
+    let before = (1.0 - AQUEOUS_SQUARED * slant).max(0.05);
+    let longer = 1.0 / (before * (1.0 - slant).max(0.05)).sqrt() - 1.0;
+    let out = direction.truncate().dot(place.away).powi(2) / slant.max(1e-6);
+    let along = DVec2::new(1.0 + longer * (1.0 - out), 1.0 + longer * out);
+    let texel = DVec2::new(TAU / place.bend.min(1.0), 1.0 / place.dv) / size;
+    let texels = along.map(f64::sqrt) * footprint / texel;
     (texels.max_element().log2() - 0.4).max(0.0)
 }
+
+/// Half of a fibre's width, mm: what a step may not leave out however fine the map is.
+const STRAND_MM: f64 = 0.05;
 
 /// How an iris is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,6 +247,8 @@ pub struct IrisMarch {
     pub fewest: f64,
     /// Most steps.
     pub most: f64,
+    /// How long a step is along the iris, in texels, or in [`STRAND_MM`] where those are finer.
+    pub stride: f64,
     /// How far behind it the view is followed, as a multiple of how deep its back is there.
     pub reach: f64,
     /// In how many segments behind the border layer.
@@ -201,6 +261,7 @@ pub struct IrisMarch {
 pub const IRIS_MARCH_FAST: IrisMarch = IrisMarch {
     fewest: 5.0,
     most: 24.0,
+    stride: 0.6,
     reach: 1.5,
     segments: 5,
     looks: 4,
@@ -209,6 +270,7 @@ pub const IRIS_MARCH_FAST: IrisMarch = IrisMarch {
 pub const IRIS_MARCH_FULL: IrisMarch = IrisMarch {
     fewest: 8.0,
     most: 48.0,
+    stride: 0.25,
     reach: 1.6,
     segments: 8,
     looks: 4,
@@ -221,8 +283,8 @@ pub const IRIS_MARCH_FIXED: IrisMarch = IrisMarch {
     ..IRIS_MARCH_FULL
 };
 
-/// How far (mm, on the iris plane) the refracted ray that lands at this place of it has moved where it meets the relief: the
-/// first place where the ray is below the surface, by steps of two texels and two secants.
+/// How far (mm) the refracted ray that lands at this place of the mean iris has moved aside where it meets the relief: the
+/// first place where the ray ([`iris_within`]) is below the surface, by even steps and two secants.
 pub fn relief_march(
     map: &MapView,
     iris: &IrisFrame,
@@ -236,7 +298,7 @@ pub fn relief_march(
     let top = 0.20 * iris.thicken * iris.relief.max(1.0);
     let deepest = 2.0 * top;
     let texel = iris_texel_mm(map.size().y, lod, iris);
-    let steps = (slope.length() * deepest / (2.0 * texel))
+    let steps = (slope.length() * deepest / (march.stride * texel.max(STRAND_MM)))
         .ceil()
         .clamp(march.fewest, march.most);
     let gap_at = |depth: f64| {
@@ -264,18 +326,19 @@ pub fn relief_march(
     slope * (deepest - top)
 }
 
-/// The relief's normal at a place, from four heights `e` mm apart.
+/// The normal at a place, from four heights of the relief `e` mm apart and how the iris leans.
 pub fn relief_normal(
     map: &MapView,
     iris: &IrisFrame,
     place: &IrisPlace,
     e: f64,
     lod: f64,
+    lean: DVec2,
 ) -> DVec3 {
     let height = |step: DVec2| iris_texel(map, iris, iris_step(iris, place, step), lod).height;
     let rise = |axis: DVec2| height(axis * (0.5 * e)) - height(axis * (-0.5 * e));
     let slope = DVec2::new(rise(DVec2::X), rise(DVec2::Y)) / e;
-    (-slope).extend(-1.0).normalize()
+    (lean - slope).extend(-1.0).normalize()
 }
 
 /// Stroma that a reading has, mm as dense as the mean.
@@ -283,8 +346,8 @@ pub fn stroma_of(texel: &IrisTexel) -> f64 {
     (texel.thickness - BORDER_LAYER_MM).max(0.0)
 }
 
-/// Path (mm) of light from the unit direction `towards` through the relief to what lies `under` mm below its mean plane at this
-/// place of it, the melanin of the border layer where it came in, and the stroma (mm as dense as the mean) on its way: by this many looks
+/// Path (mm) of light from the direction `towards` ([`iris_within`]) through the relief to what lies `under` mm below the mean iris at
+/// this place of it, the melanin of the border layer where it came in, and the stroma (mm as dense as the mean) on its way: by this many looks
 /// along it, further apart the higher they are. Tissue that it crosses behind the first place where it leaves some is counted too.
 pub fn relief_way(
     map: &MapView,
@@ -336,6 +399,8 @@ mod tests {
             center: DVec2::new(0.25, -0.1),
             thicken: 1.0,
             furrows: 1.0,
+            cone: 0.15,
+            bow: 0.1,
         };
         for (r, reach, most_mm) in [(2.0, 0.2, 1e-3), (3.0, 0.5, 5e-3), (5.0, 0.5, 2e-3)] {
             let mut worst = 0.0_f64;
@@ -362,6 +427,85 @@ mod tests {
                 "{r}: {worst}"
             );
         }
+    }
+
+    #[test]
+    fn rays_land_on_the_mean_iris_and_nowhere_behind_it() {
+        // As healthy, bulging forward, bowed back, and as steep as files may ask for.
+        for (cone, bow) in [
+            (0.146, 0.0),
+            (0.2, 0.5),
+            (0.05, -0.4),
+            (0.36, 0.55),
+            (-0.09, 0.0),
+        ] {
+            for pupil in [0.5, 1.75, 4.4] {
+                let iris = IrisFrame {
+                    root: 6.05,
+                    pupil,
+                    limbus: 5.85,
+                    relief: 1.0,
+                    center: DVec2::new(0.25, -0.1),
+                    thicken: 1.0,
+                    furrows: 1.0,
+                    cone,
+                    bow,
+                };
+                let (mut worst, mut ignored) = (0.0_f64, 0.0_f64);
+                for i in 0..24 {
+                    for j in 0..24 {
+                        let turned =
+                            |k: i32, r: f64| DVec2::from_angle(f64::from(k) * TAU / 24.0) * r;
+                        let point = turned(i, pupil + 0.1 + 0.25 * f64::from(i % 5));
+                        let direction = turned(j, 0.6).extend(0.8);
+                        let at = iris_landing(point, direction, &iris);
+                        // Where it is, along the ray, and how far before or behind the mean iris that is.
+                        let slope = direction.truncate() / direction.z;
+                        let depth = (at - point).dot(slope) / slope.length_squared();
+                        let base = iris_base(iris_place(at, &iris).uv.y, &iris).x;
+                        worst = worst.max((depth - base).abs());
+                        ignored = ignored.max(base.abs());
+                    }
+                }
+                println!("cone {cone}, bow {bow}, pupil {pupil}: {worst:.1e} of {ignored:.2} mm");
+                assert!(
+                    worst < 1e-3 + 0.01 * bow.abs(),
+                    "{cone} {bow} {pupil}: {worst}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn an_iris_that_is_laid_flat_keeps_lengths_and_depths() {
+        let iris = IrisFrame {
+            root: 6.05,
+            pupil: 1.75,
+            limbus: 5.85,
+            relief: 1.0,
+            center: DVec2::ZERO,
+            thicken: 1.0,
+            furrows: 1.0,
+            cone: 0.2,
+            bow: 0.3,
+        };
+        let p = DVec2::new(-2.0, 3.0);
+        let lean = iris_lean(&iris_place(p, &iris), &iris);
+        let base = |p: DVec2| iris_base(iris_place(p, &iris).uv.y, &iris).x;
+        // It is the slope of what it leans by.
+        let e = 1e-5;
+        let slope =
+            [DVec2::X, DVec2::Y].map(|axis| (base(p + axis * e) - base(p - axis * e)) / (2.0 * e));
+        assert!(lean.distance(DVec2::from(slope)) < 1e-8);
+        // A step along a ray goes down over it by so much.
+        let direction = DVec3::new(0.5, -0.3, 0.81).normalize();
+        let step = 1e-4;
+        let down = direction.z * step - (base(p + direction.truncate() * step) - base(p));
+        assert!((iris_within(direction, lean).z * step - down).abs() < 1e-8);
+        // Between pupil and root it stands before its cone by its bow.
+        let middle = base(DVec2::new(0.5 * (1.75 + 6.05), 0.0));
+        assert!((middle - 4.3 * (0.5 * 0.2 - 0.25 * 0.3)).abs() < 1e-12);
+        assert!((base(DVec2::new(6.05, 0.0)) - 4.3 * 0.2).abs() < 1e-12);
     }
 
     #[test]

@@ -6,8 +6,9 @@
 //! Eye frame, mm. Twin: `shaders/lib/iris_shade.wgsl`.
 
 use super::iris_relief::{
-    IrisFrame, IrisMarch, IrisPlace, IrisTexel, iris_level, iris_place, iris_step, iris_texel,
-    iris_texel_mm, relief_march, relief_normal, relief_way, stroma_back, stroma_of, stroma_over,
+    IrisFrame, IrisMarch, IrisPlace, IrisTexel, iris_base, iris_lean, iris_level, iris_place,
+    iris_step, iris_texel, iris_texel_mm, iris_within, relief_march, relief_normal, relief_way,
+    stroma_back, stroma_of, stroma_over,
 };
 use super::mix;
 use crate::appearance::images::MapView;
@@ -47,14 +48,20 @@ pub fn iris_path(thickness: f64, towards_z: f64, view_cosine: f64) -> f64 {
 /// Where a refracted ray meets the iris, what is there, and what the ray passes behind.
 #[derive(Clone, Copy, Debug)]
 pub struct IrisSurface {
-    /// Place over the plane of the iris, mm.
+    /// Place, mm.
     pub at: DVec2,
     /// Place in the map.
     pub place: IrisPlace,
+    /// How far the mean iris lies behind the plane of the pupil's edge there, mm.
+    pub base: f64,
+    /// How fast it falls back there, along x and y.
+    pub lean: DVec2,
     /// What the map has there.
     pub texel: IrisTexel,
     /// Unit direction of the ray.
     pub direction: DVec3,
+    /// The same over the iris laid flat ([`iris_within`]).
+    pub within: DVec3,
     /// Level of the map.
     pub lod: f64,
     /// What the map has, smoothed by as much as light spreads.
@@ -67,7 +74,7 @@ pub struct IrisSurface {
     pub reach: f64,
 }
 
-/// Where a refracted ray that lands at `point` of the iris' plane, `start` in the map, meets it.
+/// Where a refracted ray that lands at `point` of the mean iris, `start` in the map, meets it.
 pub fn iris_surface(
     maps: &IrisMaps,
     iris: &IrisFrame,
@@ -78,17 +85,21 @@ pub fn iris_surface(
     march: &IrisMarch,
 ) -> IrisSurface {
     let map = &maps.relief;
-    let lod = iris_level(map.size(), footprint, point.length(), iris.width());
-    let at = point + relief_march(map, iris, start, direction, lod, march);
+    let lod = iris_level(map.size(), footprint, direction, start);
+    let flat = iris_within(direction, iris_lean(start, iris));
+    let at = point + relief_march(map, iris, start, flat, lod, march);
     let place = iris_place(at, iris);
+    let (base, lean) = (iris_base(place.uv.y, iris).x, iris_lean(&place, iris));
+    let within = iris_within(direction, lean);
     let texel = iris_texel(map, iris, place.uv, lod);
     let finest = iris_texel_mm(map.size().y, 0.0, iris);
     let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
     let smooth_texel = iris_texel(map, iris, place.uv, spread);
     let normal_lod = lod.max((IRIS_LEVEL_MM / finest).log2());
-    let smooth_normal = relief_normal(map, iris, &place, footprint.max(IRIS_LEVEL_MM), normal_lod);
+    let over = footprint.max(IRIS_LEVEL_MM);
+    let smooth_normal = relief_normal(map, iris, &place, over, normal_lod, lean);
 
-    let down = direction.z.max(0.35);
+    let down = within.z.max(0.35);
     // As if the relief were level, and as deep as it is there.
     let level = BORDER_LAYER_MM / down;
     let step = iris_step(iris, &place, direction.truncate() * level);
@@ -101,8 +112,11 @@ pub fn iris_surface(
     IrisSurface {
         at,
         place,
+        base,
+        lean,
         texel,
         direction,
+        within,
         lod,
         smooth_texel,
         smooth_normal,
@@ -144,7 +158,7 @@ pub fn iris_covered(texel: &IrisTexel) -> f64 {
 
 /// Radiance by one scattering of light with an irradiance of one across its beam that comes from the unit direction
 /// `towards`; linear sRGB. The border layer and segments behind it, each in closed form; the beam gathers by this
-/// share of itself a mm ([`super::near_light::beam_gathers`]).
+/// share of itself a mm behind the mean iris ([`super::near_light::beam_on`]).
 pub fn iris_scattered_once(
     maps: &IrisMaps,
     iris: &IrisFrame,
@@ -161,7 +175,8 @@ pub fn iris_scattered_once(
     let phase = |fibrils: DVec3| bundles + fibrils * (rayleigh - bundles);
     let from_border = tissue.border_scattering * phase(tissue.border_fibrils);
     let from_stroma = tissue.stroma_scattering * phase(tissue.stroma_fibrils);
-    let (down, up) = (surface.direction.z.max(0.35), (-towards.z).max(0.25));
+    let light = iris_within(towards, surface.lean);
+    let (down, up) = (surface.within.z.max(0.35), (-light.z).max(0.25));
     let (mut scattered, mut passed) = (DVec3::ZERO, DVec3::ONE);
     let (mut begins, mut ends) = (0.0, 0.5 * surface.border);
     let (mut depth_before, mut along_before) = (0.0, 0.0);
@@ -196,7 +211,7 @@ pub fn iris_scattered_once(
             // So little of it lies in the border layer that it crosses the relief next to it.
             DVec3::new(depth.max(0.01), up * there.melanin, over(depth)) / up
         } else {
-            relief_way(map, iris, &place, under, towards, lod, march.looks)
+            relief_way(map, iris, &place, under, light, lod, march.looks)
         };
         let dims = tissue.border + tissue.border_melanin * way.y;
         let share = way.x / depth.max(0.01);
@@ -220,7 +235,7 @@ pub fn iris_scattered_once(
 }
 
 /// What the iris sends back of a lamp with an irradiance / π of one, of which this arrives
-/// ([`crate::appearance::light_table::iris_light`]) and gathers ([`super::near_light::beam_gathers`]).
+/// ([`crate::appearance::light_table::iris_light`]) at the mean iris and gathers ([`super::near_light::beam_on`]).
 pub fn iris_lamp(
     maps: &IrisMaps,
     iris: &IrisFrame,
@@ -236,7 +251,8 @@ pub fn iris_lamp(
     let once = iris_scattered_once(maps, iris, tissue, surface, towards, gathers, march)
         * (core::f64::consts::PI * across);
     let spread = across * surface.smooth_normal.dot(towards).max(0.0);
-    let again = spread * iris_reflectance(maps, surface, towards.z, Scattered::Again);
+    let slant = iris_within(towards, surface.lean).z;
+    let again = spread * iris_reflectance(maps, surface, slant, Scattered::Again);
     (once.max(DVec3::ZERO) + again) * iris_covered(&surface.texel)
 }
 
@@ -253,21 +269,18 @@ pub fn iris_ambient(maps: &IrisMaps, surface: &IrisSurface, sky: f64) -> DVec3 {
     arrives * iris_reflectance(maps, surface, -IRIS_SKY_COSINE, Scattered::All)
 }
 
+/// Share of what is seen past the root at this part of the iris' width: the sclera's inner wall. Through a cornea it is never seen, as its light
+/// is reflected totally there (tests), which is why an examiner lays a lens on it; a patient's file or an artist may take the refraction away.
+pub fn angle_share(v: f64) -> f64 {
+    smoothstep(1.0, 1.02, v)
+}
+
 /// Share of the iris (0 in the pupil, 1 outside) at a place of the map: the pupil's margin is uneven
 /// and softened over a pixel.
 pub fn pupil_edge(uv: DVec2, footprint: f64, width: f64) -> f64 {
     let uneven = 0.003 * (uv.x * 81.6814).sin() + 0.003 * (uv.x * 37.6991 + 1.7).sin();
     let soft = (0.75 * footprint / width).max(0.008);
     smoothstep(-soft, soft, uv.y - uneven)
-}
-
-/// Reflectance of the dark angle behind the limbus (a choice).
-pub const IRIS_ANGLE_COLOR: DVec3 = DVec3::new(0.035, 0.033, 0.032);
-
-/// Pupil, iris and, past the root, the dark angle in this `light`, each by its share.
-pub fn iris_and_pupil(pupil: DVec3, iris: DVec3, light: DVec3, edge: f64, v: f64) -> DVec3 {
-    let beyond = smoothstep(1.0, 1.12, v);
-    pupil.lerp(iris.lerp(IRIS_ANGLE_COLOR * light, beyond), edge)
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use super::seen::{IrisPicture, SeenIris};
 use crate::appearance::illumination::Lamp;
 use crate::appearance::light_table::{FADE, LightTableSettings};
 use crate::appearance::shading::iris_relief::{
-    IrisTexel, iris_level, iris_place, iris_texel, iris_texel_mm, stroma_density, stroma_of,
+    IrisTexel, iris_base, iris_lean, iris_level, iris_place, iris_texel, iris_texel_mm,
+    iris_within, stroma_density, stroma_of,
 };
 use crate::appearance::shading::iris_shade::{
     IRIS_LEVEL_MM, IRIS_SPREAD_MM, IrisSurface, Scattered, iris_covered, iris_reflectance,
@@ -45,15 +46,31 @@ impl IrisPicture {
     /// Depth of a place below the surface of the tissue over or under it, and what that is.
     fn depth(&self, p: DVec3, lod: f64) -> (f64, IrisTexel) {
         let texel = self.texel(p.truncate(), lod);
-        (p.z - self.iris_depth() + texel.height, texel)
+        let surface = self.iris_depth() + self.base(p.truncate()) - texel.height;
+        (p.z - surface, texel)
+    }
+
+    /// How far the mean iris lies behind the plane of the pupil's edge.
+    fn base(&self, at: DVec2) -> f64 {
+        iris_base(iris_place(at, &self.frame).uv.y, &self.frame).x
+    }
+
+    /// How far before and behind that plane any of its tissue lies.
+    fn extent(&self) -> [f64; 2] {
+        let (frame, thicken) = (&self.frame, self.frame.thicken);
+        let bows = 0.25 * frame.width() * frame.bow;
+        let falls = frame.width() * frame.cone;
+        [
+            falls.min(0.0) - bows.max(0.0) - 0.3 * thicken,
+            falls.max(0.0) + (-bows).max(0.0) + 0.6 * thicken,
+        ]
     }
 
     /// The first place of the view's ray that is not before the relief.
     fn meets(&self, seen: &SeenIris, lod: f64) -> DVec3 {
         let (point, direction) = (seen.trace.point, seen.trace.direction);
         let at = |depth: f64| point + direction * (depth / direction.z.max(0.05));
-        let thicken = self.frame.thicken;
-        let (mut before, deepest) = (-0.3 * thicken, 0.5 * thicken);
+        let [mut before, deepest] = self.extent();
         while before < deepest {
             let next = before + MARCH_MM;
             if self.depth(at(next), lod).0 >= 0.0 {
@@ -74,7 +91,7 @@ impl IrisPicture {
     }
 
     fn normal(&self, at: DVec2, over_mm: f64, lod: f64) -> DVec3 {
-        let height = |step: DVec2| self.texel(at + step, lod).height;
+        let height = |step: DVec2| self.texel(at + step, lod).height - self.base(at + step);
         let half = 0.5 * over_mm;
         let rise = |axis: DVec2| height(axis * half) - height(-axis * half);
         let slope = DVec2::new(rise(DVec2::X), rise(DVec2::Y)) / over_mm;
@@ -87,11 +104,16 @@ impl IrisPicture {
         let spread = lod.max((IRIS_SPREAD_MM / finest).log2());
         let normal_lod = lod.max((IRIS_LEVEL_MM / finest).log2());
         let over = at.truncate();
+        let place = iris_place(over, &self.frame);
+        let lean = iris_lean(&place, &self.frame);
         IrisSurface {
             at: over,
-            place: iris_place(over, &self.frame),
+            place,
+            base: self.base(over),
+            lean,
             texel: self.texel(over, lod),
             direction: seen.trace.direction,
+            within: iris_within(seen.trace.direction, lean),
             lod,
             smooth_texel: self.texel(over, spread),
             smooth_normal: self.normal(over, seen.footprint.max(IRIS_LEVEL_MM), normal_lod),
@@ -162,7 +184,7 @@ impl IrisPicture {
 
     /// Optical depth of all tissue from a place towards where its light enters; `None` where the black epithelium is in the way.
     fn way_in(&self, from: DVec3, towards: DVec3, lod: f64) -> Option<DVec3> {
-        let top = self.iris_depth() - 0.3 * self.frame.thicken;
+        let top = self.iris_depth() + self.extent()[0];
         let mut sum = DVec3::ZERO;
         let mut along = 0.0;
         loop {
@@ -196,7 +218,7 @@ impl IrisPicture {
             };
             if depth < 0.0 {
                 // It may come out of a ridge, and go past all of it.
-                if p.z > self.iris_depth() + 0.6 * self.frame.thicken {
+                if p.z > self.iris_depth() + self.extent()[1] {
                     break;
                 }
                 continue;
@@ -228,8 +250,7 @@ impl IrisPicture {
     /// What the camera gets, by paths.
     pub fn by_paths(&self, seen: &SeenIris) -> DVec3 {
         let size = self.maps.relief.size();
-        let radius = seen.trace.point.truncate().length();
-        let lod = iris_level(size, seen.footprint, radius, self.frame.width());
+        let lod = iris_level(size, seen.footprint, seen.trace.direction, &seen.start);
         let at = self.meets(seen, lod);
         let surface = self.surface(seen, at, lod);
         let covered = iris_covered(&surface.texel);
@@ -242,7 +263,7 @@ impl IrisPicture {
             let passes = self.lids_leave(arriving.enters, light, f64::from(lamp.radius) * nearer);
             let once = self.tissue.weights * self.once(seen, &lamp, at, lod) * PI;
             let spread = arriving.across * surface.smooth_normal.dot(arriving.towards).max(0.0);
-            let towards_z = arriving.towards.z;
+            let towards_z = iris_within(arriving.towards, surface.lean).z;
             let again =
                 spread * iris_reflectance(&self.maps, &surface, towards_z, Scattered::Again);
             let falls = passes * nearer * nearer * (-light.z).max(0.0);

@@ -7,7 +7,7 @@ use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
 use crate::appearance::shading::iris_relief::{
-    IrisFrame, IrisMarch, IrisPlace, furrow_depth, iris_place, tagged_pupil, thicken,
+    IrisFrame, IrisMarch, IrisPlace, furrow_depth, iris_landing, iris_place, tagged_pupil, thicken,
 };
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
@@ -15,7 +15,7 @@ use crate::appearance::shading::iris_shade::{
 use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lid_sky_within, lids_at};
 use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
 use crate::appearance::shading::near_light::{
-    beam_gathers, crosses_plane, iris_near_lamp, light_entry,
+    beam_gathers, beam_on, crosses_plane, iris_near_lamp, light_entry,
 };
 use crate::appearance::shading::surroundings::{
     ambient_light, lamp_from, lamp_radiance, surroundings_radiance,
@@ -61,7 +61,9 @@ pub struct IrisPicture {
 /// What is seen in a pixel that shows nothing but iris, behind the cornea.
 pub struct SeenIris {
     pub(super) trace: CorneaTrace,
-    /// Place in the iris' map of where the ray meets its plane.
+    /// Where the ray meets the mean iris, mm.
+    pub(super) landing: DVec2,
+    /// Place in the iris' map of that.
     pub(super) start: IrisPlace,
     /// Size of the pixel on the cornea, mm.
     pub(super) footprint: f64,
@@ -121,6 +123,8 @@ impl IrisPicture {
                 center: globe.pupil_center_mm.as_dvec2(),
                 thicken: thicken(pupil, f64::from(globe.iris_root_mm)),
                 furrows: furrow_depth(pupil),
+                cone: f64::from(globe.iris_shape.x),
+                bow: f64::from(globe.iris_shape.y),
             },
             maps,
             illumination: material.illumination,
@@ -186,7 +190,8 @@ impl IrisPicture {
         let r = trace.entry.truncate().length();
         let wide = 0.9 * limbus_width(trace.entry.y / r.max(1e-3));
         let limbus = self.frame.limbus;
-        let start = iris_place(trace.point.truncate(), &self.frame);
+        let landing = iris_landing(trace.point.truncate(), trace.direction, &self.frame);
+        let start = iris_place(landing, &self.frame);
         let p = trace.entry + self.apex();
         let footprint = pixel_footprint(p.distance(self.camera), 1.0 / self.half_field, size.y);
         let is_iris = limbus_share(limbus_place(r, limbus, wide), limbus) >= 1.0
@@ -195,6 +200,7 @@ impl IrisPicture {
         is_iris.then(|| SeenIris {
             shade: lids_at(&self.globe.lids, self.head_from_eye * p),
             trace,
+            landing,
             start,
             footprint,
             direction,
@@ -273,10 +279,11 @@ impl IrisPicture {
     pub(super) fn sky(&self, surface: &IrisSurface) -> [DVec3; 2] {
         let sky = self.globe.iris_sky.map(|values| f64::from(values.x));
         let arrives = iris_sky_knot(surface.at.length(), self.frame.root).read(&sky);
-        let place = surface.at.extend(self.iris_depth()) + self.apex();
+        let depth = self.iris_depth() + surface.base;
+        let place = surface.at.extend(depth) + self.apex();
         let before = lids_at(&self.globe.lids, self.head_from_eye * place);
         let around = ambient_light(&self.illumination.ambient, -self.head_from_eye.z_axis);
-        let around = around * lid_sky_within(&before, self.iris_depth(), self.aqueous());
+        let around = around * lid_sky_within(&before, depth, self.aqueous());
         [iris_ambient(&self.maps, surface, arrives) * around, around]
     }
 
@@ -306,19 +313,20 @@ impl IrisPicture {
 
     /// What the camera gets, by the shader's own closed forms.
     pub fn by_closed_forms(&self, seen: &SeenIris, march: &IrisMarch) -> DVec3 {
-        let point = seen.trace.point.truncate();
         let (maps, frame) = (&self.maps, &self.frame);
         let surface = iris_surface(
             maps,
             frame,
-            point,
+            seen.landing,
             &seen.start,
             seen.trace.direction,
             seen.footprint,
             march,
         );
         let [mut lit, mut light] = self.sky(&surface);
-        let place = surface.at.extend(self.iris_depth());
+        let light_mm = f64::from(self.globe.iris_light_mm);
+        let behind = self.iris_depth() + surface.base - light_mm;
+        let place = surface.at.extend(light_mm);
         let (surface_of, root, limbus) = (self.anterior(), frame.root, frame.limbus);
         for lamp in self.lamps() {
             let (mut direction, mut stronger) = (lamp.direction.as_dvec3(), 1.0);
@@ -336,15 +344,18 @@ impl IrisPicture {
                     limbus,
                 );
             }
+            let height = surface.texel.height - behind;
+            let about = crosses_plane(surface.at, height, direction, self.aqueous());
+            let comes = iris_light(&maps.light, direction, about, root, limbus);
             let crosses =
-                crosses_plane(surface.at, surface.texel.height, direction, self.aqueous());
-            let arrives: DVec4 = iris_light(&maps.light, direction, crosses, root, limbus);
-            let plane = crosses.extend(self.iris_depth());
+                surface.at - comes.truncate().truncate() * (height / (-comes.z).max(0.25));
+            let mut arrives: DVec4 = iris_light(&maps.light, direction, crosses, root, limbus);
+            let plane = crosses.extend(light_mm);
             let enters = light_entry(plane, arrives.truncate(), surface_of);
             let nearer = lamp_from(&lamp, self.apex() + enters).1;
             radius *= nearer;
             let vergence = f64::from(lamp.vergence) * nearer;
-            let gathers = beam_gathers(
+            let converges = beam_gathers(
                 enters,
                 plane,
                 direction,
@@ -352,11 +363,13 @@ impl IrisPicture {
                 self.aqueous(),
                 vergence,
             );
+            let on = beam_on(converges, behind / (-arrives.z).max(0.25));
+            arrives.w *= on.x;
             let passes = stronger * self.lids_leave(enters, direction, radius);
             light += lamp.color.as_dvec3() * (passes * (-direction.z).max(0.0));
             lit += lamp.color.as_dvec3()
                 * passes
-                * iris_lamp(maps, frame, &self.tissue, &surface, arrives, gathers, march);
+                * iris_lamp(maps, frame, &self.tissue, &surface, arrives, on.y, march);
         }
         self.shown(seen, lit, light)
     }

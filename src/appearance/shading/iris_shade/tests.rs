@@ -1,8 +1,10 @@
 //! The light of a flat iris beside its layers and random walks, and how far light spreads between its fibres.
 
+use super::super::iris_relief::iris_landing;
 use super::super::iris_relief::{IRIS_MARCH_FAST, IRIS_MARCH_FULL, stroma_density};
 use super::*;
 use crate::frame::mips::chain;
+use crate::optics::cornea::cornea_trace;
 use crate::tissue::iris_layers::forward_layers;
 use crate::tissue::iris_reflectance::{AQUEOUS_COSINE, IrisPigment, IrisReflectanceTable, matched};
 use crate::tissue::layers::layer_reflect_once;
@@ -29,6 +31,8 @@ fn frame() -> IrisFrame {
         center: DVec2::ZERO,
         thicken: 1.0,
         furrows: 1.0,
+        cone: 0.0,
+        bow: 0.0,
     }
 }
 
@@ -262,4 +266,79 @@ fn what_is_scattered_again_spreads_as_far_as_walks_between_strands_do() {
             "{half} {ours} {twice}"
         );
     }
+}
+
+/// Gonioscopy: light from the chamber's angle is reflected totally at the cornea. The usual eye shows nothing past the root of its iris from
+/// any side, no healthy one more than the next 0.6 mm; without refraction it lies open.
+#[test]
+fn no_cornea_lets_the_angle_be_seen() {
+    let mut stream = crate::tissue::noise::HashStream::new(7, 1);
+    // By how much (a share of what healthy eyes have) eyes are drawn beside the usual one.
+    let mut outermost = |n_cornea: f64, n_aqueous: f64, eyes: usize, varied: f64| {
+        let mut most = f64::MIN;
+        for _ in 0..eyes {
+            let mut about =
+                |usual: f64, off: f32| usual + varied * f64::from(stream.range(-off, off));
+            let limbus = about(5.85, 0.3);
+            let anterior = DVec2::new(about(7.8, 0.65), about(0.75, 0.18));
+            let posterior = DVec2::new(anterior.x - about(1.4, 0.15), anterior.y - 0.025);
+            let thickness = about(0.55, 0.1);
+            if anterior.x / anterior.y.sqrt() < 1.02 * limbus
+                || posterior.x / posterior.y.sqrt() < 1.02 * limbus
+            {
+                continue;
+            }
+            let depth = about(3.6, 0.5);
+            let iris = IrisFrame {
+                root: limbus + 0.2,
+                limbus,
+                cone: about(0.146, 0.116),
+                bow: about(0.0, 0.12),
+                pupil: about(1.75, 1.25),
+                ..frame()
+            };
+            for degrees in (0..90).step_by(6) {
+                let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+                let direction = DVec3::new(sin, 0.0, cos);
+                for i in -24..=24 {
+                    for j in 0..=24 {
+                        let entry = DVec2::new(f64::from(i), f64::from(j)) * (limbus / 24.0);
+                        if entry.length() > limbus {
+                            continue;
+                        }
+                        let z = conicoid_depth(entry.length(), anterior);
+                        let origin = entry.extend(z) - direction * 60.0;
+                        let trace = cornea_trace(
+                            origin, direction, anterior, posterior, thickness, n_cornea, n_aqueous,
+                            depth,
+                        );
+                        // What stands behind the bulge of the cornea is not the first that is met.
+                        if trace.valid < 0.5 || trace.entry.truncate().distance(entry) > 1e-3 {
+                            continue;
+                        }
+                        let at = iris_landing(trace.point.truncate(), trace.direction, &iris);
+                        let place = iris_place(at, &iris);
+                        most = most.max((place.uv.y - 1.0) / place.dv);
+                    }
+                }
+            }
+        }
+        most
+    };
+    let usual = outermost(1.376, 1.336, 1, 0.0);
+    let healthy = outermost(1.376, 1.336, 60, 1.0);
+    let none = outermost(1.0, 1.0, 1, 0.0);
+    println!(
+        "seen past the root: {usual:.2} mm, of healthy eyes {healthy:.2}, unrefracted {none:.1}"
+    );
+    assert!(
+        usual < 0.0 && healthy < 0.6 && none > 2.0,
+        "{usual} {healthy} {none}"
+    );
+}
+
+/// Depth (mm) of a conicoid's surface (R, p) this far from its axis.
+fn conicoid_depth(r: f64, surface: DVec2) -> f64 {
+    let left = surface.x * surface.x - surface.y * r * r;
+    r * r / (surface.x + left.max(0.0).sqrt())
 }
