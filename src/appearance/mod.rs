@@ -46,6 +46,7 @@ pub mod sclera_map;
 pub mod shading;
 mod skin_map;
 pub(crate) mod studio;
+mod studio_room;
 mod subdivide;
 #[doc(hidden)]
 pub mod surroundings;

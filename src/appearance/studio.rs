@@ -5,6 +5,7 @@
 
 use super::eye_camera::EyeOrbit;
 use super::illumination::Lamp;
+use super::studio_room::{RoomLamp, overcast, room_around};
 use super::surroundings::{STUDIO_SIDE, Surroundings, lamp_color};
 use crate::optics::smoothstep::smoothstep;
 use bevy::math::{DQuat, DVec2, DVec3, Vec3};
@@ -191,28 +192,15 @@ impl Shining {
     }
 }
 
-/// Radiance between below and above.
-fn dome(down: DVec3, up: DVec3) -> impl Fn(DVec3) -> DVec3 {
-    move |d| down.lerp(up, smoothstep(0.15, 0.85, 0.5 + 0.5 * d.y))
-}
-
-/// The standard overcast sky (CIE S 011: (1 + 2 sin γ)/3 of the zenith) over ground of a fifth.
-fn overcast(d: DVec3) -> DVec3 {
-    let sky = DVec3::new(0.97, 1.0, 1.05);
-    let zenith = 1.0;
-    let over = zenith * (1.0 + 2.0 * d.y.max(0.0)) / 3.0;
-    let ground = 0.2 * 7.0 / 9.0 * zenith;
-    sky * (ground + (over - ground) * smoothstep(-0.02, 0.06, d.y))
-}
-
 impl Studio {
     /// What surrounds an eye there.
     pub fn surroundings(&self) -> Surroundings {
         let rgb = DVec3::new;
-        let room = |down: DVec3, up: DVec3| Box::new(dome(down, up)) as Box<dyn Fn(DVec3) -> DVec3>;
-        let (around, shining) = match self.light {
+        // How much light a face gets from the room beside its lamps' own, and how far away they are, m.
+        let (room, away, shining) = match self.light {
             StudioLight::Window => (
-                room(rgb(0.12, 0.108, 0.1), rgb(0.19, 0.194, 0.206)),
+                rgb(0.155, 0.151, 0.153),
+                2.2,
                 vec![
                     // The window stands up and to the viewer's left, the lamp low on the right.
                     Shining {
@@ -225,7 +213,8 @@ impl Studio {
                 ],
             ),
             StudioLight::Softbox => (
-                room(rgb(0.05, 0.048, 0.046), rgb(0.09, 0.09, 0.09)),
+                rgb(0.07, 0.069, 0.068),
+                0.9,
                 vec![
                     Shining {
                         direction: rgb(0.30, 0.55, -0.78).normalize(),
@@ -233,29 +222,36 @@ impl Studio {
                         shape: Shape::Square,
                         color: rgb(0.86, 0.85, 0.83),
                     },
-                    Shining::disc(rgb(-0.30, -0.62, -0.72), 0.30, rgb(0.15, 0.14, 0.13)),
+                    Shining {
+                        direction: rgb(-0.12, -0.62, -0.78).normalize(),
+                        half: DVec2::new(0.42, 0.22),
+                        shape: Shape::Square,
+                        color: rgb(0.15, 0.14, 0.13),
+                    },
                 ],
             ),
-            StudioLight::Ring => (
-                room(rgb(0.05, 0.047, 0.045), rgb(0.07, 0.07, 0.07)),
-                Vec::new(),
-            ),
-            StudioLight::Coaxial | StudioLight::Penlight => (
-                room(rgb(0.025, 0.023, 0.021), rgb(0.035, 0.034, 0.033)),
-                Vec::new(),
-            ),
-            StudioLight::Overcast => (
-                Box::new(overcast) as Box<dyn Fn(DVec3) -> DVec3>,
-                Vec::new(),
-            ),
+            StudioLight::Ring => (rgb(0.06, 0.0585, 0.0575), 1.0, Vec::new()),
+            StudioLight::Coaxial | StudioLight::Penlight => {
+                (rgb(0.03, 0.0285, 0.027), 1.0, Vec::new())
+            }
+            StudioLight::Overcast => (DVec3::ZERO, 1.0, Vec::new()),
             StudioLight::Lamp => (
-                room(rgb(0.060, 0.040, 0.024), rgb(0.10, 0.066, 0.038)),
+                rgb(0.080, 0.053, 0.031),
+                1.3,
                 vec![Shining::disc(
                     rgb(-0.62, 0.30, -0.72),
                     0.14,
                     rgb(0.95, 0.63, 0.34),
                 )],
             ),
+        };
+        let hung = shining.iter().map(|lamp: &Shining| RoomLamp {
+            place: lamp.direction * away,
+            color: lamp.color,
+        });
+        let around: Box<dyn Fn(DVec3) -> DVec3> = match self.light {
+            StudioLight::Overcast => Box::new(overcast),
+            _ => Box::new(room_around(hung.collect(), room)),
         };
         let turn = DQuat::from_rotation_y(f64::from(self.turn_deg).to_radians());
         let back = turn.inverse();
