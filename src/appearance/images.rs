@@ -5,15 +5,26 @@ use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageS
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use glam::DVec2;
 use half::f16;
+use half::slice::HalfFloatSliceExt as _;
 
 /// One level of a map.
 pub type Level = crate::frame::mips::Level<4>;
 
 /// Makes a filtered RGBA16F texture of these levels, the finest first; `wrap` repeats it in u.
 pub fn map_image(levels: &[Level], wrap: bool) -> Image {
-    let values = levels.iter().flat_map(|(_, _, texels)| texels).flatten();
-    let data = values.flat_map(|&value| f16::from_f32(value).to_le_bytes());
-    let data = data.collect();
+    let count = levels
+        .iter()
+        .map(|(_, _, texels)| texels.len())
+        .sum::<usize>();
+    let mut data = Vec::with_capacity(8 * count);
+    let mut halves = Vec::new();
+    for (_, _, texels) in levels {
+        let values = texels.as_flattened();
+        halves.resize(values.len(), f16::ZERO);
+        halves.convert_from_f32_slice(values);
+        // As every device that is drawn on has its bytes.
+        data.extend_from_slice(bytemuck::cast_slice(halves.reinterpret_cast()));
+    }
     image_of(levels, data, TextureFormat::Rgba16Float, wrap)
 }
 

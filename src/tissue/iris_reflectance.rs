@@ -270,6 +270,22 @@ impl SeenLayer {
         Self::new(peakless_stroma(pigment, thickness_mm, tissue))
     }
 
+    /// Stromas of these thicknesses (mm), which grow by even steps: each is the one before and a step more.
+    fn stromas(pigment: &IrisPigment, all_mm: &[f64], tissue: &TissueCoefficients) -> Vec<Self> {
+        let [first, second, ..] = all_mm else {
+            let alone = |mm: &f64| Self::stroma(pigment, *mm, tissue);
+            return all_mm.iter().map(alone).collect();
+        };
+        let step = Self::stroma(pigment, second - first, tissue);
+        let mut grown = vec![Self::stroma(pigment, *first, tissue)];
+        for thickness_mm in &all_mm[1..] {
+            let layer = peakless_stroma(pigment, *thickness_mm, tissue);
+            let flux = grown[grown.len() - 1].flux.and(&step.flux, AQUEOUS_COSINE);
+            grown.push(Self { layer, flux });
+        }
+        grown
+    }
+
     /// This layer over `below` over black: all light, and what is scattered more than once.
     fn over(&self, below: &Self) -> [f64; 2] {
         let all = self.flux.reflectance_over(&below.flux);
@@ -438,6 +454,13 @@ pub struct IrisReflectanceTable {
 /// function at 99.9 % of a hazel iris's places, 3.7 at the worst, 0.16 in the mean square.
 pub const IRIS_TABLE: [usize; 2] = [64, 32];
 
+/// Layers of many thicknesses, each by itself.
+fn each<L>(
+    of: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
+) -> impl Fn(&IrisPigment, &[f64], &TissueCoefficients) -> Vec<L> {
+    move |pigment, all, tissue| all.iter().map(|one| of(pigment, *one, tissue)).collect()
+}
+
 impl IrisReflectanceTable {
     /// Computes the table of [`iris_reflectance`]; a size of 0 counts as 1.
     pub fn new(pigment: &IrisPigment, width: usize, height: usize) -> Self {
@@ -446,7 +469,7 @@ impl IrisReflectanceTable {
             width,
             height,
             border_layer,
-            stroma,
+            each(stroma),
             |above, below| [over_black(*above, *below)],
         );
         Self {
@@ -463,7 +486,7 @@ impl IrisReflectanceTable {
             width,
             height,
             many_flux_border_layer,
-            many_flux_stroma,
+            each(many_flux_stroma),
             |above, below| [above.reflectance_over(below)],
         );
         Self {
@@ -481,7 +504,7 @@ impl IrisReflectanceTable {
             width,
             height,
             SeenLayer::border,
-            SeenLayer::stroma,
+            SeenLayer::stromas,
             SeenLayer::over,
         );
         stacked.map(|rgb| Self {
@@ -498,17 +521,17 @@ impl IrisReflectanceTable {
         width: usize,
         height: usize,
         border_layer: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
-        stroma: impl Fn(&IrisPigment, f64, &TissueCoefficients) -> L,
+        stromas: impl Fn(&IrisPigment, &[f64], &TissueCoefficients) -> Vec<L>,
         over_black: impl Fn(&L, &L) -> [f64; K],
     ) -> [Vec<[f64; 3]>; K] {
         let (width, height) = (width.max(1), height.max(1));
         let pigment = pigment.clamped();
-        let stromas: Vec<[L; IRIS_WAVELENGTHS]> = (0..width)
-            .map(|column| {
-                let path = STROMA_PATH_MAX_MM * (column as f64 + 0.5) / width as f64;
-                AT.1.each_ref().map(|tissue| stroma(&pigment, path, tissue))
-            })
+        let paths: Vec<f64> = (0..width)
+            .map(|column| STROMA_PATH_MAX_MM * (column as f64 + 0.5) / width as f64)
             .collect();
+        let stromas =
+            AT.1.each_ref()
+                .map(|tissue| stromas(&pigment, &paths, tissue));
         let mut rgb: [Vec<[f64; 3]>; K] =
             core::array::from_fn(|_| Vec::with_capacity(width * height));
         for row in 0..height {
@@ -517,9 +540,9 @@ impl IrisReflectanceTable {
             let border =
                 AT.1.each_ref()
                     .map(|tissue| border_layer(&pigment, density, tissue));
-            for stroma in &stromas {
+            for column in 0..width {
                 let found: [[f64; K]; IRIS_WAVELENGTHS] =
-                    core::array::from_fn(|i| over_black(&border[i], &stroma[i]));
+                    core::array::from_fn(|i| over_black(&border[i], &stromas[i][column]));
                 for (k, rgb) in rgb.iter_mut().enumerate() {
                     rgb.push(colour(&found.map(|one| one[k])));
                 }

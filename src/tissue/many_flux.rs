@@ -130,7 +130,16 @@ impl<const N: usize> LayerFlux<N> {
     /// radiance from all of it, and the mean over its flux.
     pub(super) fn within(layer: &Layer, least: f64) -> Self {
         let (cosines, weights) = gauss_legendre::<N>();
-        let operators = layer_operators(&layer.clamped(), &cosines, &weights);
+        Self::of(layer_operators(&layer.clamped(), &cosines, &weights), least)
+    }
+
+    /// This layer and `more` of the same, for the cone of [`Self::within`]: a thirteenth of the work of doubling it anew.
+    pub(super) fn and(&self, more: &Self, least: f64) -> Self {
+        Self::of(more.operators.over(&self.operators), least)
+    }
+
+    fn of(operators: Operators<N>, least: f64) -> Self {
+        let (cosines, weights) = gauss_legendre::<N>();
         let is_in = |i: usize| cosines[i] >= least;
         let flux = |i: usize| 2.0 * weights[i] * cosines[i];
         let irradiance: f64 = (0..N).filter(|i| is_in(*i)).map(flux).sum();
