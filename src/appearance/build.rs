@@ -252,7 +252,7 @@ impl Builder<'_, '_, '_, '_> {
         let maps = &mut parts.maps;
         let [sclera_map, vessel_map] = maps.sclera(anatomy, fine, &mut store);
         let iris_map = maps.iris(anatomy, fine, &mut store);
-        let reflectance_map = maps.reflectance(anatomy.iris, &mut store);
+        let reflectance_map = maps.reflectance(anatomy, &mut store);
         let light_table = maps.light(anatomy, &mut store);
         let uniform = static_uniform(anatomy, shape);
         parts.globe.clear();

@@ -77,6 +77,8 @@ pub struct IrisMapSettings {
     pub furrow_count: u32,
     /// Pigment gathered round the collarette, 0 – 1.
     pub central_heterochromia: f32,
+    /// Density of the melanin of that ring in that of freckles, 0–1; no less than the border layer's own.
+    pub ring_melanin: f32,
     /// Freckles on the border layer, 0–80.
     pub freckle_count: u32,
     /// Density of the border layer's own melanin in that of freckles and of another colour's sector, 0–1.
@@ -99,6 +101,7 @@ impl Default for IrisMapSettings {
             waviness: 0.5,
             furrow_count: 4,
             central_heterochromia: 0.3,
+            ring_melanin: 0.0,
             freckle_count: 5,
             own_melanin: 1.0,
             sector: [0.0; 2],
@@ -141,6 +144,7 @@ impl IrisMapSettings {
                 self.central_heterochromia,
                 default.central_heterochromia,
             ),
+            ring_melanin: unit_or(self.ring_melanin, default.ring_melanin),
             freckle_count: self.freckle_count.min(80),
             own_melanin: unit_or(self.own_melanin, default.own_melanin),
             sector: self.sector.map(|turns| unit_or(turns, 0.0)),
@@ -152,6 +156,7 @@ impl IrisMapSettings {
     fn without_pigment(&self) -> Self {
         Self {
             central_heterochromia: 0.0,
+            ring_melanin: 0.0,
             freckle_count: 0,
             own_melanin: 0.0,
             sector: [0.0; 2],

@@ -18,6 +18,7 @@ use crate::optics::smoothstep::smoothstep;
 use crate::tissue::fundus::fundus_color;
 use crate::tissue::iris_reflectance::{IRIS_TABLE, IrisPigment, IrisReflectanceTable, IrisTissue};
 use crate::tissue::media::cornea_backscatter;
+use crate::tissue::noise::unit_hash;
 use crate::tissue::sclera::{
     LAMELLAE, SCLERA_INDEX, ScleralTissue, epithelium_passes, lamellae, returned_above,
     sclera_reflectance,
@@ -116,8 +117,7 @@ impl TissueMaps {
         fine: bool,
         store: &mut ImageStore<'_>,
     ) -> Handle<Image> {
-        let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
-        let key = (iris_settings(anatomy.iris, seed), fine);
+        let key = (iris_settings(anatomy.iris, seed_of(anatomy)), fine);
         // Out of the store, so that both can be lent.
         let mut grown = core::mem::take(store.stromas);
         let [map] = store.kept(&mut self.iris, key, |(settings, fine)| {
@@ -141,8 +141,13 @@ impl TissueMaps {
     }
 
     /// Reflectance of the iris of all light, and below of what is scattered more than once.
-    pub(super) fn reflectance(&mut self, iris: &Iris, store: &mut ImageStore<'_>) -> Handle<Image> {
-        let [map] = store.kept(&mut self.reflectance, map_pigment(iris), |pigment| {
+    pub(super) fn reflectance(
+        &mut self,
+        anatomy: &Anatomy<'_>,
+        store: &mut ImageStore<'_>,
+    ) -> Handle<Image> {
+        let pigment = map_pigment(anatomy.iris, seed_of(anatomy));
+        let [map] = store.kept(&mut self.reflectance, pigment, |pigment| {
             [reflectance_image(pigment)]
         });
         map
@@ -184,23 +189,39 @@ fn fundus() -> Vec3 {
     Vec3::from(fundus_color().map(|channel| channel as f32))
 }
 
+/// What makes an iris the one of this eye.
+fn seed_of(anatomy: &Anatomy<'_>) -> u64 {
+    anatomy.patient.iris_seed(anatomy.eye.laterality)
+}
+
 /// A map's 32-bit seed from a patient's 64-bit one.
 fn fold(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
 }
 /// The pigment that the map's melanin is a share of: as dense as the densest of it.
-fn map_pigment(iris: &Iris) -> IrisPigment {
+fn map_pigment(iris: &Iris, seed: u64) -> IrisPigment {
     let own = iris.pigment();
     let has_dense = iris.freckles >= 0.5 || iris.sector_deg > 0.0;
     let dense = if has_dense {
         IrisPigment::BROWN.border_layer_melanin_fraction
     } else {
-        0.0
+        ring_melanin(iris, seed)
     };
     IrisPigment {
         border_layer_melanin_fraction: own.border_layer_melanin_fraction.max(dense),
         ..own
     }
+}
+
+/// Most melanin that gathers about the collarette of an iris whose border layer has next to none (a choice: hazel's).
+const RING_MELANIN: f64 = 0.28;
+
+/// Melanin (volume fraction) about the collarette of this iris: some have more of it there than anywhere else, some none; less of it is told
+/// from the rest, the darker that is.
+fn ring_melanin(iris: &Iris, seed: u64) -> f64 {
+    let own = iris.pigment().border_layer_melanin_fraction;
+    let drawn = f64::from(unit_hash(0, 3, fold(seed)));
+    RING_MELANIN * drawn * (1.0 - own / COVERS_ALL).clamp(0.0, 1.0)
 }
 
 /// Melanin in the border layer from which it covers the stroma as far as it does in any iris (a choice, a little above hazel).
@@ -214,12 +235,14 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
     // A little pigment gathers about the collarette first: hazel and green eyes.
     let ring = 4.0 * share * (1.0 - share);
     let sector_deg = iris.sector_deg.clamp(0.0, 360.0);
+    let densest = map_pigment(iris, seed)
+        .border_layer_melanin_fraction
+        .max(1e-9);
     IrisMapSettings {
         seed: fold(seed),
         freckle_count: iris.freckles.clamp(0.0, 80.0).round() as u32,
-        own_melanin: (iris.pigment().border_layer_melanin_fraction
-            / map_pigment(iris).border_layer_melanin_fraction.max(1e-9))
-            as f32,
+        own_melanin: (iris.pigment().border_layer_melanin_fraction / densest) as f32,
+        ring_melanin: (ring_melanin(iris, seed) / densest) as f32,
         // The map begins opposite +x, the patient's right, which is the examiner's left; both go counter-clockwise as seen from
         // within, and axes as seen by the examiner.
         sector: [
@@ -399,7 +422,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
                 Vec4::new(sky[i], next, 0.0, 0.0)
             })
         },
-        tissue: (&IrisTissue::new(&map_pigment(iris))).into(),
+        tissue: (&IrisTissue::new(&map_pigment(iris, seed_of(anatomy)))).into(),
         lamellae_reflect,
         lamellae_pass,
         arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,

@@ -72,6 +72,9 @@ pub(super) fn paint(
             // A closed one's own melanin is nowhere bare but towards the root.
             let least = LEAST * closed * smoothstep(0.95, 0.75, v);
             let own = lerp(least, 1.0, own.clamp(0.0, 1.0)) * settings.own_melanin;
+            // Light irides may have more of it about the collarette than anywhere else.
+            let gathered = smoothstep(0.1, 0.5, ring * laid * bare) * settings.ring_melanin;
+            let own = own.max(gathered);
             *value = lerp(own, brown, columns[column].sector(v, tag + 0.3 * mottle));
         }
     }

@@ -64,6 +64,7 @@ fn every_channel_stays_in_its_range_for_legal_and_illegal_settings() {
         waviness: -4.0,
         furrow_count: 99,
         central_heterochromia: 7.0,
+        ring_melanin: f32::INFINITY,
         freckle_count: 10_000,
         border_layer_cover: f32::NEG_INFINITY,
         own_melanin: f32::NAN,
