@@ -12,9 +12,12 @@ struct Meniscus {
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let v = normalize(in.camera - in.position);
     let n = normalize(in.normal);
-    let blur = meniscus_blur(footprint_at(distance(in.camera, in.position)));
-    let around = mirrored(in.position, reflect(-v, n), blur);
-    let radiance = meniscus_reflection(around, n, v) * meniscus.strength;
+    let footprint = footprint_at(distance(in.camera, in.position));
+    let around = mirrored(in.position, reflect(-v, n), meniscus_blur(footprint));
+    // How far below the upper lid's margin it is.
+    let gap = in.tissue.r;
+    let lids = ambient(vec3(0.0, -0.4, -0.9));
+    let radiance = meniscus_reflection(around, lids, n, v, in.position.x, gap, footprint) * meniscus.strength;
     // Added in display space, so keep the tone curve's small-signal slope of one.
     return vec4(shown(radiance), 0.0);
 }

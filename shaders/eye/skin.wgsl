@@ -72,10 +72,14 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     }
     let r = reflect(-v, n);
 #ifdef WET
-    let around = mirrored(p, r, 0.10);
+    // Towards the globe it mirrors what is as bright as itself.
+    let free = past_head(r);
+    let around = mix(albedo * light, mirrored(p, r, 0.10), free);
+    let sky = mix(albedo * light, ambient(r), free);
 #else
     let around = vec3(0.0);
+    let sky = ambient(r);
 #endif
-    let radiance = albedo * light + skin_specular(sheen, ambient(r), around, n, v, tissue);
+    let radiance = albedo * light + skin_specular(sheen, sky, around, n, v, tissue);
     return vec4(shown(radiance), 1.0);
 }

@@ -65,6 +65,11 @@ fn round_lamp(d: vec3<f32>, direction: vec3<f32>, radius: f32, blur: f32) -> f32
     return smoothstep(wide + edge, wide - edge, angle) / (wide * wide + 0.2 * edge * edge);
 }
 
+// Share of the unit direction d that does not lead back into the head itself.
+fn past_head(d: vec3<f32>) -> f32 {
+    return smoothstep(-0.05, 0.25, 0.25 - d.z);
+}
+
 // Radiance of a lamp by itself from the unit direction d.
 fn lamp_radiance(lamp: Lamp, d: vec3<f32>, blur: f32) -> vec3<f32> {
     // No branch hangs on uniforms alone: lavapipe puts their values into the code and compiles it anew

@@ -1,4 +1,4 @@
-// needs: fresnel.wgsl, tear_film.wgsl
+// needs: fresnel.wgsl, surroundings.wgsl, tear_film.wgsl
 //
 // What the tears mirror. Head frame, unit vectors; n the normal, v towards the eye that looks; `mirrored` is
 // the radiance from where the mirror looks. Twin: src/appearance/shading/tear_reflection.rs.
@@ -34,20 +34,25 @@ fn lashes_pass(x: f32, r: vec3f, upper_gap: f32, footprint: f32) -> f32 {
 // the upper lid's margin, a pixel being `footprint` mm wide: lids and lashes hide what lies above, and send back `lid_light` times what
 // skin does.
 fn tear_reflection(mirrored: vec3f, lid_light: vec3f, n: vec3f, v: vec3f, lipid_nm: f32, x: f32, upper_gap: f32, footprint: f32) -> vec3f {
-    let r = reflect(-v, n);
     let cosine = clamp(dot(n, v), 0.0, 1.0);
     let f = tear_film_rgb(cosine, 1.48, 1.337, lipid_nm);
+    return f * past_lids(mirrored, lid_light, reflect(-v, n), x, upper_gap, footprint);
+}
+
+// Radiance from the unit direction r at a place `x` mm aside (head frame) and `upper_gap` mm below the upper lid's margin: what is there, or
+// the lids before it.
+fn past_lids(mirrored: vec3f, lid_light: vec3f, r: vec3f, x: f32, upper_gap: f32, footprint: f32) -> vec3f {
     // The reflected ray rises by r.y for each unit forward; it meets the upper lid when that is steeper than the gap allows.
     let rise = r.y / max(length(r.xz), 0.05);
     let lid = smoothstep(-0.35, 0.35, upper_gap * 0.42 + 0.25 - rise);
-    let outward = smoothstep(-0.05, 0.25, -r.z + 0.25);
     let skin = vec3f(0.45, 0.27, 0.20) * lid_light;
-    return f * mix(skin, mirrored * lashes_pass(x, r, upper_gap, footprint), lid * outward);
+    return mix(skin, mirrored * lashes_pass(x, r, upper_gap, footprint), lid * past_head(r));
 }
 
 // Radiance from the meniscus along the lids, a clear thread of tears.
-fn meniscus_reflection(mirrored: vec3f, n: vec3f, v: vec3f) -> vec3f {
-    return mirrored * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
+fn meniscus_reflection(mirrored: vec3f, lid_light: vec3f, n: vec3f, v: vec3f, x: f32, upper_gap: f32, footprint: f32) -> vec3f {
+    let seen = past_lids(mirrored, lid_light, reflect(-v, n), x, upper_gap, footprint);
+    return seen * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
 }
 
 // How far (rad) the meniscus spreads what it mirrors into a pixel of this footprint (mm): its surface turns by the footprint over its

@@ -79,6 +79,17 @@ pub struct PosedRegion {
     scratch: Vec<Vec3>,
 }
 
+impl PosedRegion {
+    /// How far each place of the meniscus lies below the upper lid's, mm: a vertex' tissue weights.
+    pub fn meniscus_gaps(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+        let half = self.meniscus_positions.len() / 2;
+        let (lower, upper) = self.meniscus_positions.split_at(half);
+        let both = lower.iter().chain(upper);
+        both.zip(upper.iter().cycle())
+            .map(|(own, above)| [(above[1] - own[1]).max(0.0), 0.0, 0.0, 0.0])
+    }
+}
+
 impl EyeRegion {
     /// Reads and refines the shipped face.
     ///

@@ -328,7 +328,7 @@ pub fn move_lids(
                 &mut mesh,
                 parts.posed.meniscus_positions.iter().copied(),
                 parts.posed.meniscus_normals.iter().copied(),
-                vec![[0.0; 4]; count],
+                parts.posed.meniscus_gaps().collect(),
                 || vec![[0.0, 0.0, 0.0, 1.0]; count],
                 region.meniscus_indices(),
                 mirror,

@@ -133,7 +133,7 @@ fn footprints() {
 fn lamps() {
     let call = format!(
         "let c = lamp_radiance({}, vec3f(x[8], x[9], x[10]), x[11]); {RGB_OUT} y[3] = wrapped_cosine(x[9], x[11]); \
-         let w = wrapped_cosines(x[9], vec3f(x[11], 0.3, 0.2)); y[4] = w.x; y[5] = w.z;",
+         let w = wrapped_cosines(x[9], vec3f(x[11], 0.3, 0.2)); y[4] = w.x; y[5] = w.z; y[6] = past_head(vec3f(x[8], x[9], x[10]));",
         lamp_text(0)
     );
     pass_unless_off(
@@ -158,7 +158,7 @@ fn lamps() {
                 let mut out = rgb(surroundings::lamp_radiance(&lamp_of(x), d, x[11]));
                 out.push(surroundings::wrapped_cosine(x[9], x[11]));
                 let w = surroundings::wrapped_cosines(x[9], DVec3::new(x[11], 0.3, 0.2));
-                out.extend([w.x, w.z]);
+                out.extend([w.x, w.z, surroundings::past_head(d)]);
                 out
             },
             // A chord carries 1e-7 over an edge of 0.04 with slope 1.5, in a disc of radiance up to 1, or, with
@@ -570,12 +570,19 @@ fn tears() {
             name: "meniscus_reflection",
             library: &["tear_reflection"],
             call: &format!(
-                "{VIEWS} let c = meniscus_reflection(m, n, v) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
+                "{VIEWS} let c = meniscus_reflection(m, k, n, v, x[13], x[14], 1.0) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
             ),
             draw: &draw_mirror,
             exact: &|x| {
-                let radiance =
-                    tear_reflection::meniscus_reflection(v3(x), v3(&x[6..]), v3(&x[9..]));
+                let radiance = tear_reflection::meniscus_reflection(
+                    v3(x),
+                    v3(&x[3..]),
+                    v3(&x[6..]),
+                    v3(&x[9..]),
+                    [x[13], x[14]],
+                    // As above.
+                    1.0,
+                );
                 rgb(radiance * tear_reflection::meniscus_blur(0.01 * x[12]))
             },
             absolute: 2e-6,

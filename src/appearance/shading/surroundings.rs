@@ -58,6 +58,11 @@ pub fn lamp_from(lamp: &Lamp, p: DVec3) -> (DVec3, f64) {
     (towards * nearer, nearer)
 }
 
+/// Share of the unit direction `d` that does not lead back into the head itself.
+pub fn past_head(d: DVec3) -> f64 {
+    smoothstep(-0.05, 0.25, 0.25 - d.z)
+}
+
 /// Radiance of a lamp by itself from the unit direction `d`.
 pub fn lamp_radiance(lamp: &Lamp, d: DVec3, blur: f64) -> DVec3 {
     let (hole, radius) = (f64::from(lamp.hole), f64::from(lamp.radius));

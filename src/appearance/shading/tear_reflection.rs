@@ -2,6 +2,7 @@
 //! eye that looks. Twin: `shaders/lib/tear_reflection.wgsl`.
 
 use super::mix;
+use super::surroundings::past_head;
 use crate::optics::fresnel::fresnel_dielectric;
 use crate::optics::smoothstep::smoothstep;
 use crate::optics::tear_film::tear_film_rgb;
@@ -56,23 +57,47 @@ pub fn tear_reflection(
     [x, upper_gap]: [f64; 2],
     footprint: f64,
 ) -> DVec3 {
-    let r = reflected(v, n);
     let f = tear_film_rgb(n.dot(v).clamp(0.0, 1.0), 1.48, 1.337, lipid_nm);
+    f * past_lids(
+        mirrored,
+        lid_light,
+        reflected(v, n),
+        [x, upper_gap],
+        footprint,
+    )
+}
+
+/// Radiance from the unit direction `r` at a place `x` mm aside (head frame) and `upper_gap` mm below the upper lid's margin: what is
+/// there, or the lids before it; arguments as of [`tear_reflection`].
+fn past_lids(
+    mirrored: DVec3,
+    lid_light: DVec3,
+    r: DVec3,
+    [x, upper_gap]: [f64; 2],
+    footprint: f64,
+) -> DVec3 {
     // The reflected ray rises by r.y for each unit forward; it meets the upper lid when that is
     // steeper than the gap allows.
     let rise = r.y / DVec2::new(r.x, r.z).length().max(0.05);
     let lid = smoothstep(-0.35, 0.35, upper_gap * 0.42 + 0.25 - rise);
-    let outward = smoothstep(-0.05, 0.25, -r.z + 0.25);
     let skin = DVec3::new(0.45, 0.27, 0.20) * lid_light;
-    f * skin.lerp(
+    skin.lerp(
         mirrored * lashes_pass(x, r, upper_gap, footprint),
-        lid * outward,
+        lid * past_head(r),
     )
 }
 
-/// Radiance from the meniscus along the lids, a clear thread of tears.
-pub fn meniscus_reflection(mirrored: DVec3, n: DVec3, v: DVec3) -> DVec3 {
-    mirrored * fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337)
+/// Radiance from the meniscus along the lids, a clear thread of tears; arguments as of [`tear_reflection`].
+pub fn meniscus_reflection(
+    mirrored: DVec3,
+    lid_light: DVec3,
+    n: DVec3,
+    v: DVec3,
+    place: [f64; 2],
+    footprint: f64,
+) -> DVec3 {
+    let seen = past_lids(mirrored, lid_light, reflected(v, n), place, footprint);
+    seen * fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337)
 }
 
 /// Direction from which the light comes that a mirror of normal `n` sends towards `v`.
