@@ -146,7 +146,7 @@ fn lids_at(p: vec3f) -> LidShade {
 }
 
 #ifdef CORNEA
-// What of the sky's light reaches the iris' plane `radius` mm from the axis.
+// What of the sky's light reaches the iris `radius` mm from the axis.
 fn sky_at(radius: f32) -> f32 {
     let at = iris_sky_knot(radius, globe.iris_root_mm);
     let values = globe.iris_sky[at.below];
@@ -183,7 +183,7 @@ fn inner_image(image: LensMirrored, open: f32, blur: f32) -> vec3f {
     return mirrored(head_from_eye() * (image.exit + apex), head_from_eye() * outside, blur) * (image.share * comes);
 }
 
-// A lamp as it is where its light to a place of the iris' plane enters the cornea, eye frame.
+// A lamp as it is where its light to a place of the iris enters the cornea, eye frame.
 fn iris_lamp_at(i: i32, at: vec2f) -> Lamp {
     var lamp = illumination.lamps[i];
     // A row times the turn into the head is the column times the turn out of it.
@@ -196,7 +196,7 @@ fn iris_lamp_at(i: i32, at: vec2f) -> Lamp {
     return lamp;
 }
 
-// What a fundus of one sends back of the lamps through a place (mm) of the iris' plane, against a view ray of this direction.
+// What a fundus of one sends back of the lamps through a place (mm) of the pupil's plane, against a view ray of this direction.
 fn fundus_light(place: vec2f, direction: vec3f, shade: LidShade) -> vec3f {
     // Lamps are seen from the middle of the entrance pupil, which stands about as deep as the iris.
     let middle = vec3f(globe.pupil_center_mm, globe.iris_depth_mm - globe.apex_mm);
@@ -219,11 +219,15 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let indices = vec2f(globe.cornea_index, globe.aqueous_index);
     let size = 1.0;
 #endif
-    var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm);
+    let iris = IrisFrame(globe.iris_root_mm, pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, thicken(pupil_radius_mm, globe.iris_root_mm), furrow_depth(pupil_radius_mm), globe.iris_shape.x, globe.iris_shape.y);
+    // To the plane of the root, which lies behind that of the pupil's edge, so that no ray is taken to end within the cornea before it.
+    let root_mm = max(iris_base(1.0, iris).x, 0.0);
+    var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm + root_mm);
     if trace.valid < 0.5 {
         // What enters so far aside stays in the rim, where the sclera's lamellae begin.
         return lamellae_reflected(1.0) * ambient(-head_from_eye()[2]) * shade.sky;
     }
+    trace.point -= trace.direction * (root_mm / max(trace.direction.z, 0.05));
 #ifdef ARTISTIC
     // From the examiner's left, by the place of the iris that is really seen.
     if clamp(0.5 - 0.5 * trace.point.x / globe.iris_root_mm, 0.0, 0.999) < globe.look.parallax {
@@ -231,7 +235,6 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         trace.direction = direction;
     }
 #endif
-    let iris = IrisFrame(globe.iris_root_mm, pupil_radius_mm, globe.limbus_mm, globe.relief, globe.pupil_center_mm, thicken(pupil_radius_mm, globe.iris_root_mm), furrow_depth(pupil_radius_mm), globe.iris_shape.x, globe.iris_shape.y);
     let at = iris_landing(trace.point.xy / size, trace.direction, iris);
     let place = iris_place(at, iris);
     // In the pupil there is no iris to be followed.
@@ -246,9 +249,11 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let depth = globe.iris_depth_mm + surface.base;
     let before = lids_at(head_from_eye() * (vec3f(surface.at, depth) + apex));
     let around = ambient(-head_from_eye()[2]) * lid_sky_within(before, depth, globe.aqueous_index);
+    let sky = sky_at(length(surface.at));
+    var falls = around * sky;
     var lit = vec3f(0.0);
     if edge > 0.0 || !SKIPS {
-        lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky_at(length(surface.at))) * around;
+        lit = iris_ambient(reflectance_map, reflectance_sampler, surface, sky) * around;
     }
     var light = around;
     for (var i = 0; i < LAMPS; i++) {
@@ -275,6 +280,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         if edge > 0.0 || !SKIPS {
             lit += concentrated * color * iris_lamp(iris_map, iris_sampler, reflectance_map, reflectance_sampler, iris, globe.tissue, surface, arrives, on.y, MARCH);
         }
+        falls += color * arrives.w;
         light += color * max(-lamp.direction.z, 0.0);
     }
     var lens = globe.lens;
@@ -289,6 +295,8 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let eye = mirror_eye();
     let entered = snell_refract(direction, conicoid_normal(trace.entry, eye.anterior.x, eye.anterior.y), 1.0 / eye.n_cornea);
     let second = inner_image(mirror_cornea(trace.entry, entered.xyz, eye), globe.limbus_mm, SECOND_IMAGE_BLUR);
+    // Past the root, where hardly any cornea lets it be seen, the sclera's inner wall.
+    lit = mix(lit, lamellae_reflected(1.0) * falls, angle_share(place.uv.y));
     // Radiance spreads where it leaves the aqueous; what the lens sends back is as it is seen from outside.
     lit /= globe.aqueous_index * globe.aqueous_index;
 #ifdef ARTISTIC
@@ -301,8 +309,6 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
         behind += inner_image(mirror_lens_front(trace.point, trace.direction, eye), pupil_radius_mm, THIRD_IMAGE_BLUR);
         behind += crosses * inner_image(mirror_lens_back(trace.point, trace.direction, eye), pupil_radius_mm, FOURTH_IMAGE_BLUR);
     }
-    // Past the root, where hardly any cornea lets it be seen, the sclera's inner wall.
-    lit = mix(lit, lamellae_reflected(1.0) * light, angle_share(place.uv.y));
     let inside = mix(behind, lit, edge);
     // The cornea itself scatters a little of the light back.
     return (inside + second) * trace.transmittance + light * globe.cornea_haze;

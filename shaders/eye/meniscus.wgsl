@@ -14,7 +14,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let n = normalize(in.normal);
     let footprint = footprint_at(distance(in.camera, in.position));
     let around = mirrored(in.position, reflect(-v, n), meniscus_blur(footprint));
-    // How far below the upper lid's margin it is.
+    // How far below the upper lid's tears it is.
     let gap = in.tissue.r;
     let lids = ambient(vec3(0.0, -0.4, -0.9));
     let radiance = meniscus_reflection(around, lids, n, v, in.position.x, gap, footprint) * meniscus.strength;

@@ -76,10 +76,11 @@ fn iris_width(iris: IrisFrame) -> f32 {
 struct IrisPlace { uv: vec2f, away: vec2f, bend: f32, dv: f32, fall: vec2f };
 
 // How far (mm) the mean iris lies behind the plane of the pupil's edge at this part of its width, 0 at that edge and 1 at the root, and how
-// fast it falls back there.
+// fast it falls back there; level within the pupil and from a tenth past the root on.
 fn iris_base(v: f32, iris: IrisFrame) -> vec2f {
     let part = clamp(v, 0.0, 1.1);
-    return vec2f(iris_width(iris) * part * (iris.cone - iris.bow * (1.0 - part)), iris.cone - iris.bow * (1.0 - 2.0 * part));
+    let falls = select(0.0, iris.cone - iris.bow * (1.0 - 2.0 * part), part == v);
+    return vec2f(iris_width(iris) * part * (iris.cone - iris.bow * (1.0 - part)), falls);
 }
 
 // Unit direction away from the pupil's middle at a point (mm), and the distance from there.
@@ -91,7 +92,8 @@ fn iris_away(p: vec2f, iris: IrisFrame) -> vec3f {
 
 // How fast the mean iris falls back at a place, along x and y.
 fn iris_lean(place: IrisPlace, iris: IrisFrame) -> vec2f {
-    return place.away * iris_base(place.uv.y, iris).y;
+    let out = place.away + place.fall * dot(iris.center, place.away);
+    return out * iris_base(place.uv.y, iris).y;
 }
 
 // A direction as it is over an iris that is laid flat by moving all of it along the axis: lengths along rays and depths along the axis stay
@@ -100,7 +102,7 @@ fn iris_within(direction: vec3f, lean: vec2f) -> vec3f {
     return vec3f(direction.xy, direction.z - dot(lean, direction.xy));
 }
 
-// Where (mm) a ray that crosses the plane of the pupil's edge at `point` meets the mean iris: by two steps after Newton, within a micrometre.
+// Where (mm) a ray that crosses the plane of the pupil's edge at `point` meets the mean iris: by two steps after Newton.
 fn iris_landing(point: vec2f, direction: vec3f, iris: IrisFrame) -> vec2f {
     let slope = direction.xy / max(direction.z, 0.2);
     var depth = 0.0;
@@ -146,7 +148,7 @@ const AQUEOUS_SQUARED: f32 = 1.784896;
 // Level of a map of this size (texels) at a place of the iris for a pixel of this footprint (mm), whose ray goes in the unit direction
 // `direction` within the aqueous and sees the iris the longer along its slant, the flatter it is there and before the cornea (their geometric
 // mean: 1.6 times from 60 degrees, where the pupil is 0.62 times as wide as high); a little sharper than that, as the eye forgives more than it
-// misses.
+// misses, but where ridges stand before each other.
 fn iris_level(size: vec2f, footprint: f32, direction: vec3f, place: IrisPlace) -> f32 {
     let slant = dot(direction.xy, direction.xy);
     let longer = inverseSqrt(max(1.0 - AQUEOUS_SQUARED * slant, 0.05) * max(1.0 - slant, 0.05)) - 1.0;
@@ -154,7 +156,7 @@ fn iris_level(size: vec2f, footprint: f32, direction: vec3f, place: IrisPlace) -
     let out = beside * beside / max(slant, 1e-6);
     let along = sqrt(vec2f(1.0 + longer * (1.0 - out), 1.0 + longer * out));
     let texels = footprint * along * size * vec2f(min(place.bend, 1.0) * 0.15915494, place.dv);
-    return max(log2(max(texels.x, texels.y)) - 0.4, 0.0);
+    return max(log2(max(texels.x, texels.y)) - 0.4 + slant, 0.0);
 }
 
 // Half of a fibre's width, mm: what a step may not leave out however fine the map is.

@@ -86,7 +86,9 @@ fn iris_surface(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, point: ve
 // Diffuse reflectance of tissue on the path of light that arrives with this z: of all light (`half` 0) or of what is scattered more
 // than once (1); the map holds one above the other.
 fn iris_reflectance(reflectance_map: texture_2d<f32>, linear: sampler, surface: IrisSurface, towards_z: f32, half: f32) -> vec3f {
-    let path = iris_path(surface.smooth_texel.thickness, towards_z, -dot(surface.smooth_normal, surface.direction));
+    // Thickness counts along the axis, whichever way the iris leans.
+    let leans = sqrt(1.0 + dot(surface.lean, surface.lean));
+    let path = iris_path(surface.smooth_texel.thickness, towards_z, -dot(surface.smooth_normal, surface.direction) * leans);
     let rows = 0.5 * f32(textureDimensions(reflectance_map).y);
     let row = clamp(sqrt(max(surface.texel.melanin, 0.0)) * rows, 0.5, rows - 0.5);
     return textureSampleLevel(reflectance_map, linear, vec2f(path / IRIS_PATH_MAX_MM, 0.5 * (row / rows + half)), 0.0).rgb;
@@ -165,7 +167,7 @@ fn iris_scattered_once(map: texture_2d<f32>, polar: sampler, iris: IrisFrame, ti
 // What the iris sends back of a lamp with an irradiance / pi of one, of which this arrives (`iris_light`) at the mean iris and gathers
 // (`beam_on`).
 fn iris_lamp(map: texture_2d<f32>, polar: sampler, reflectance_map: texture_2d<f32>, linear: sampler, iris: IrisFrame, tissue: IrisTissue, surface: IrisSurface, arrives: vec4f, gathers: f32, march: IrisMarch) -> vec3f {
-    // Across the beam, from the plane of the iris.
+    // Across the beam, from a plane across the axis.
     let across = arrives.w / max(-arrives.z, 0.2);
     let once = iris_scattered_once(map, polar, iris, tissue, surface, arrives.xyz, gathers, march) * (3.14159265 * across);
     let spread = across * max(dot(surface.smooth_normal, arrives.xyz), 0.0);

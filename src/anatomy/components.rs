@@ -240,6 +240,8 @@ pub struct Iris {
     pub stroma_melanin_fraction: Option<f64>,
     /// Volume fraction of melanin in the anterior border layer, 0 to 0.5; `None`: by class.
     pub border_layer_melanin_fraction: Option<f64>,
+    /// Volume fraction of melanin in the border layer about the collarette, 0 to 0.5, where that is more than elsewhere; `None`: by the person.
+    pub collarette_melanin_fraction: Option<f64>,
     /// Ratio of eumelanin to all melanin (β_m of equation 13), 0 to 1; `None`: by class.
     pub eumelanin_ratio: Option<f64>,
     /// Depth of the pupil's edge behind the corneal apex, mm.

@@ -22,7 +22,7 @@ pub fn map_image(levels: &[Level], wrap: bool) -> Image {
         let values = texels.as_flattened();
         halves.resize(values.len(), f16::ZERO);
         halves.convert_from_f32_slice(values);
-        // As every device that is drawn on has its bytes.
+        // Little-endian, as every target is.
         data.extend_from_slice(bytemuck::cast_slice(halves.reinterpret_cast()));
     }
     image_of(levels, data, TextureFormat::Rgba16Float, wrap)

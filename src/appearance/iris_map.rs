@@ -361,7 +361,9 @@ fn ruff_at(seed: u32, u: f32, v: f32) -> f32 {
     }
     let seed = seed ^ 0x7f4a;
     let warp = 0.8 * value_noise(u * 40.0, 40, seed ^ 5);
-    let bead = ((u * 84.0 + 1.6 * warp) * TAU).cos();
+    // Uneven beads, some of them missing.
+    let size = 0.5 + 0.5 * value_noise(u * 29.0, 29, seed ^ 2);
+    let bead = ((u * 84.0 + 2.6 * warp) * TAU).cos() * 1.6 * size;
     let girth = 0.024
         + 0.009 * value_noise(u * 13.0, 13, seed)
         + 0.007 * value_noise(u * 57.0, 57, seed ^ 1);

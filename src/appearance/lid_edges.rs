@@ -148,6 +148,7 @@ mod tests {
             color: IrisColor::Brown,
             stroma_melanin_fraction: None,
             border_layer_melanin_fraction: None,
+            collarette_melanin_fraction: None,
             eumelanin_ratio: None,
             depth_mm: 3.6,
             cone_deg: crate::anatomy::IRIS_CONE_DEG,

@@ -137,6 +137,8 @@ struct Shining {
     shape: Shape,
     /// Irradiance / π.
     color: DVec3,
+    /// How far away it hangs in its room, m.
+    away: f64,
 }
 
 enum Shape {
@@ -151,13 +153,14 @@ enum Shape {
 const EDGE: f64 = 0.008;
 
 impl Shining {
-    fn disc(direction: DVec3, radius: f64, color: DVec3) -> Self {
+    fn disc(direction: DVec3, radius: f64, color: DVec3, away: f64) -> Self {
         let half = DVec2::splat(radius);
         Self {
             direction: direction.normalize(),
             half,
             shape: Shape::Disc,
             color,
+            away,
         }
     }
 
@@ -196,11 +199,10 @@ impl Studio {
     /// What surrounds an eye there.
     pub fn surroundings(&self) -> Surroundings {
         let rgb = DVec3::new;
-        // How much light a face gets from the room beside its lamps' own, and how far away they are, m.
-        let (room, away, shining) = match self.light {
+        // How much light a face gets from the room beside its lamps' own.
+        let (room, shining) = match self.light {
             StudioLight::Window => (
                 rgb(0.155, 0.151, 0.153),
-                2.2,
                 vec![
                     // The window stands up and to the viewer's left, the lamp low on the right.
                     Shining {
@@ -208,45 +210,46 @@ impl Studio {
                         half: DVec2::new(0.108, 0.15),
                         shape: Shape::Panes,
                         color: rgb(0.83, 0.85, 0.87),
+                        away: 2.2,
                     },
-                    Shining::disc(rgb(-0.72, -0.05, -0.62), 0.07, rgb(0.10, 0.088, 0.08)),
+                    Shining::disc(rgb(-0.72, -0.05, -0.62), 0.07, rgb(0.10, 0.088, 0.08), 1.2),
                 ],
             ),
             StudioLight::Softbox => (
                 rgb(0.07, 0.069, 0.068),
-                0.9,
                 vec![
                     Shining {
                         direction: rgb(0.30, 0.55, -0.78).normalize(),
                         half: DVec2::splat(0.32),
                         shape: Shape::Square,
                         color: rgb(0.86, 0.85, 0.83),
+                        away: 0.9,
                     },
                     Shining {
                         direction: rgb(-0.12, -0.62, -0.78).normalize(),
                         half: DVec2::new(0.42, 0.22),
                         shape: Shape::Square,
                         color: rgb(0.15, 0.14, 0.13),
+                        // Before the person opposite.
+                        away: 0.4,
                     },
                 ],
             ),
-            StudioLight::Ring => (rgb(0.06, 0.0585, 0.0575), 1.0, Vec::new()),
-            StudioLight::Coaxial | StudioLight::Penlight => {
-                (rgb(0.03, 0.0285, 0.027), 1.0, Vec::new())
-            }
-            StudioLight::Overcast => (DVec3::ZERO, 1.0, Vec::new()),
+            StudioLight::Ring => (rgb(0.06, 0.0585, 0.0575), Vec::new()),
+            StudioLight::Coaxial | StudioLight::Penlight => (rgb(0.03, 0.0285, 0.027), Vec::new()),
+            StudioLight::Overcast => (DVec3::ZERO, Vec::new()),
             StudioLight::Lamp => (
                 rgb(0.080, 0.053, 0.031),
-                1.3,
                 vec![Shining::disc(
                     rgb(-0.62, 0.30, -0.72),
                     0.14,
                     rgb(0.95, 0.63, 0.34),
+                    1.3,
                 )],
             ),
         };
         let hung = shining.iter().map(|lamp: &Shining| RoomLamp {
-            place: lamp.direction * away,
+            place: lamp.direction * lamp.away,
             color: lamp.color,
         });
         let around: Box<dyn Fn(DVec3) -> DVec3> = match self.light {

@@ -56,11 +56,32 @@ const fn round(middle: [f64; 3], half: [f64; 3], paint: Paint) -> Thing {
 }
 
 /// The nearest first.
-const THINGS: [Thing; 10] = [
-    // Somebody opposite: hair, face, neck, shoulders.
+const THINGS: [Thing; 14] = [
+    // Somebody opposite with a camera at the eye: lens, body, hands, hair, face, arms, shoulders.
     round(
-        [0.05, 0.085, -0.60],
-        [0.088, 0.07, 0.0],
+        [0.035, -0.005, -0.50],
+        [0.030, 0.030, 0.0],
+        plain(0.02, 0.02, 0.025),
+    ),
+    thing(
+        2,
+        [0.03, 0.0, -0.52],
+        [0.070, 0.045, 0.0],
+        plain(0.045, 0.045, 0.05),
+    ),
+    round(
+        [0.105, -0.03, -0.53],
+        [0.035, 0.05, 0.0],
+        plain(0.45, 0.31, 0.24),
+    ),
+    round(
+        [-0.035, -0.045, -0.53],
+        [0.035, 0.045, 0.0],
+        plain(0.45, 0.31, 0.24),
+    ),
+    round(
+        [0.055, 0.09, -0.60],
+        [0.088, 0.075, 0.0],
         plain(0.05, 0.04, 0.03),
     ),
     round(
@@ -68,15 +89,19 @@ const THINGS: [Thing; 10] = [
         [0.075, 0.115, 0.0],
         plain(0.45, 0.31, 0.24),
     ),
-    thing(
-        2,
-        [0.05, -0.13, -0.62],
-        [0.055, 0.07, 0.0],
-        plain(0.42, 0.29, 0.22),
+    round(
+        [0.20, -0.21, -0.62],
+        [0.075, 0.17, 0.0],
+        plain(0.10, 0.12, 0.17),
     ),
     round(
-        [0.05, -0.42, -0.63],
-        [0.23, 0.24, 0.0],
+        [-0.11, -0.23, -0.62],
+        [0.07, 0.16, 0.0],
+        plain(0.10, 0.12, 0.17),
+    ),
+    round(
+        [0.055, -0.44, -0.63],
+        [0.24, 0.27, 0.0],
         plain(0.09, 0.11, 0.16),
     ),
     // A table, a letter on it.
@@ -92,7 +117,7 @@ const THINGS: [Thing; 10] = [
         [0.8, 0.0, 0.40],
         plain(0.42, 0.29, 0.18),
     ),
-    // A picture and a door, shelves, a lamp's dark stand.
+    // A picture and a door, shelves.
     thing(2, [-0.85, 0.35, -1.74], [0.34, 0.26, 0.0], Paint::Picture),
     thing(
         0,
@@ -101,12 +126,6 @@ const THINGS: [Thing; 10] = [
         plain(0.30, 0.20, 0.13),
     ),
     thing(0, [2.29, 0.25, -0.9], [0.0, 0.75, 0.7], Paint::Books),
-    thing(
-        2,
-        [0.42, -0.35, -1.70],
-        [0.05, 0.85, 0.0],
-        plain(0.06, 0.06, 0.06),
-    ),
 ];
 
 impl Thing {
@@ -274,12 +293,96 @@ pub(super) fn overcast(d: DVec3) -> DVec3 {
         ));
         DVec3::new(0.09, 0.11, 0.06) * (1.0 + leaves)
     };
-    let ground = if d.y < -0.12 {
-        DVec3::new(0.20, 0.19, 0.18)
-    } else {
-        DVec3::new(0.12, 0.15, 0.08)
-    };
+    // Grass, and a path that comes nearer, by where a view meets the ground 1.6 m down.
+    let far = 1.6 / (-d.y).max(0.02);
+    let at = DVec2::new(d.x, -d.z) * far;
+    let rough = f64::from(fbm(at.x as f32 * 0.5, at.y as f32 * 0.5, [0, 0], 3, 6));
+    let path = smoothstep(
+        0.5,
+        -0.5,
+        (at.x + 0.25 * at.y - 0.6).abs() - 1.1 + 0.5 * rough,
+    );
+    let grass = DVec3::new(0.11, 0.122, 0.085) * (1.0 + 0.5 * rough);
+    let ground = grass.lerp(DVec3::new(0.24, 0.22, 0.19), path);
     let below = sky * lies * ground;
     let standing = below.lerp(sky * stands * upright, smoothstep(-0.006, 0.006, height));
     standing.lerp(over, smoothstep(top - 0.006, top + 0.006, height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::surroundings::Surroundings;
+
+    /// Irradiance / π on a surface of this normal, by directions that share the sphere evenly.
+    fn irradiance(n: DVec3, radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {
+        const COUNT: i32 = 200_000;
+        let mut sum = DVec3::ZERO;
+        for i in 0..COUNT {
+            let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(COUNT);
+            let (sin, cos) = (f64::from(i) * 2.399_963_229_728_653).sin_cos();
+            let d = (1.0 - y * y).sqrt() * DVec3::new(cos, 0.0, sin) + DVec3::Y * y;
+            sum += radiance(d) * d.dot(n).max(0.0);
+        }
+        4.0 * sum / f64::from(COUNT)
+    }
+
+    #[test]
+    fn a_room_lights_a_face_as_it_is_asked_to() {
+        let level = DVec3::new(0.155, 0.151, 0.14);
+        let lamp = || RoomLamp {
+            place: DVec3::new(1.1, 1.15, -1.7),
+            color: DVec3::new(0.8, 0.85, 0.9),
+        };
+        for lamps in [Vec::new(), vec![lamp()]] {
+            let lit = !lamps.is_empty();
+            let around = room_around(lamps, level);
+            let found = irradiance(DVec3::NEG_Z, &around);
+            println!("{found} for {level}");
+            // A grid of 64 by 64 directions over edges.
+            assert!(found.distance(level) < 0.02 * level.length(), "{found}");
+            // A lamp before the eye leaves the person opposite against the light, and lights the wall behind the face.
+            let opposite = around(DVec3::new(0.05, -0.3, -0.6).normalize()).y;
+            let behind = around(DVec3::new(0.5, 0.2, 0.8).normalize()).y;
+            assert!(opposite > 0.0 && (!lit || behind > 4.0 * opposite));
+        }
+    }
+
+    #[test]
+    fn a_nearer_thing_hides_what_is_behind_it() {
+        let around = room_around(Vec::new(), DVec3::ONE);
+        // Lens before camera before face before the wall: each darker than the wall.
+        let wall = around(DVec3::new(-0.9, 0.9, -1.7).normalize()).y;
+        for at in [[0.035, -0.005, -0.5], [0.09, 0.03, -0.52]] {
+            let seen = around(DVec3::from(at).normalize()).y;
+            assert!(seen < 0.2 * wall, "{at:?}: {seen} of {wall}");
+        }
+        // What is behind the eye is not seen before it.
+        assert!(THINGS.iter().all(|thing| thing.met(DVec3::Z).is_none()));
+    }
+
+    /// CIE S 011: an open sky gives a level place 7/9 of what an even one of the zenith's radiance would, an upright one 0.396 of that.
+    #[test]
+    fn clouds_light_a_level_place_by_seven_ninths() {
+        let open =
+            |d: DVec3| DVec3::splat((1.0 + 2.0 * d.y) / 3.0) * f64::from(u8::from(d.y > 0.0));
+        let (level, upright) = (irradiance(DVec3::Y, open).y, irradiance(DVec3::Z, open).y);
+        assert!((level - 7.0 / 9.0).abs() < 1e-3, "{level}");
+        assert!(
+            (upright / level - 0.396).abs() < 2e-3,
+            "{}",
+            upright / level
+        );
+        // With houses and trees some of it is missing.
+        let found = irradiance(DVec3::Y, overcast).y;
+        assert!((0.85..1.0).contains(&(found / level)), "{found}");
+        let none = Surroundings::new(64, overcast, |_| DVec3::ZERO, Vec::new());
+        assert!(none.ambient.iter().all(|factor| factor.is_finite()));
+        for d in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::Z, DVec3::NEG_Z] {
+            assert!(
+                overcast(d).is_finite() && overcast(d).min_element() > 0.0,
+                "{d}"
+            );
+        }
+    }
 }

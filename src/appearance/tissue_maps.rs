@@ -117,7 +117,10 @@ impl TissueMaps {
         fine: bool,
         store: &mut ImageStore<'_>,
     ) -> Handle<Image> {
-        let key = (iris_settings(anatomy.iris, seed_of(anatomy)), fine);
+        let key = (
+            iris_settings(anatomy.iris, seed_of(anatomy), anatomy.patient.seed),
+            fine,
+        );
         // Out of the store, so that both can be lent.
         let mut grown = core::mem::take(store.stromas);
         let [map] = store.kept(&mut self.iris, key, |(settings, fine)| {
@@ -146,7 +149,7 @@ impl TissueMaps {
         anatomy: &Anatomy<'_>,
         store: &mut ImageStore<'_>,
     ) -> Handle<Image> {
-        let pigment = map_pigment(anatomy.iris, seed_of(anatomy));
+        let pigment = map_pigment(anatomy.iris, anatomy.patient.seed);
         let [map] = store.kept(&mut self.reflectance, pigment, |pigment| {
             [reflectance_image(pigment)]
         });
@@ -199,36 +202,39 @@ fn fold(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
 }
 /// The pigment that the map's melanin is a share of: as dense as the densest of it.
-fn map_pigment(iris: &Iris, seed: u64) -> IrisPigment {
+fn map_pigment(iris: &Iris, person: u64) -> IrisPigment {
     let own = iris.pigment();
     let has_dense = iris.freckles >= 0.5 || iris.sector_deg > 0.0;
     let dense = if has_dense {
         IrisPigment::BROWN.border_layer_melanin_fraction
     } else {
-        ring_melanin(iris, seed)
+        0.0
     };
+    let densest = dense.max(ring_melanin(iris, person));
     IrisPigment {
-        border_layer_melanin_fraction: own.border_layer_melanin_fraction.max(dense),
+        border_layer_melanin_fraction: own.border_layer_melanin_fraction.max(densest),
         ..own
     }
 }
 
-/// Most melanin that gathers about the collarette of an iris whose border layer has next to none (a choice: hazel's).
+/// Most melanin that gathers about the collarette of a light iris (a choice: hazel's).
 const RING_MELANIN: f64 = 0.28;
 
-/// Melanin (volume fraction) about the collarette of this iris: some have more of it there than anywhere else, some none; less of it is told
-/// from the rest, the darker that is.
-fn ring_melanin(iris: &Iris, seed: u64) -> f64 {
+/// Melanin (volume fraction) about the collarette of this iris: in light ones some people have more of it there than anywhere else, some none; it
+/// is told from the rest the less, the darker that is, and where there is none at all there is none here.
+fn ring_melanin(iris: &Iris, person: u64) -> f64 {
     let own = iris.pigment().border_layer_melanin_fraction;
-    let drawn = f64::from(unit_hash(0, 3, fold(seed)));
-    RING_MELANIN * drawn * (1.0 - own / COVERS_ALL).clamp(0.0, 1.0)
+    let light = IrisPigment::BLUE.border_layer_melanin_fraction;
+    let drawn = f64::from(unit_hash(0, 3, fold(person)));
+    let usual = RING_MELANIN * drawn * (own / light).min(1.0) * (1.0 - own / COVERS_ALL).max(0.0);
+    iris.collarette_melanin_fraction.unwrap_or(usual)
 }
 
 /// Melanin in the border layer from which it covers the stroma as far as it does in any iris (a choice, a little above hazel).
 const COVERS_ALL: f64 = 0.30;
 
 /// The border layer covers the stroma of a dark iris and leaves that of a light one bare.
-fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
+fn iris_settings(iris: &Iris, seed: u64, person: u64) -> IrisMapSettings {
     let light = IrisPigment::BLUE.border_layer_melanin_fraction;
     let share = (iris.pigment().border_layer_melanin_fraction - light) / (COVERS_ALL - light);
     let share = share.clamp(0.0, 1.0) as f32;
@@ -242,7 +248,7 @@ fn iris_settings(iris: &Iris, seed: u64) -> IrisMapSettings {
         seed: fold(seed),
         freckle_count: iris.freckles.clamp(0.0, 80.0).round() as u32,
         own_melanin: (iris.pigment().border_layer_melanin_fraction / densest) as f32,
-        ring_melanin: (ring_melanin(iris, seed) / densest) as f32,
+        ring_melanin: (ring_melanin(iris, person) / densest) as f32,
         // The map begins opposite +x, the patient's right, which is the examiner's left; both go counter-clockwise as seen from
         // within, and axes as seen by the examiner.
         sector: [
@@ -311,13 +317,14 @@ pub(super) fn color(rgb: [f64; 3]) -> Vec3 {
     bevy::math::DVec3::from(rgb).as_vec3()
 }
 /// What the light table of this cornea and iris is made of.
-/// The plane is that of the middle of the iris.
+/// The plane is that of the middle of the iris, but for its bulge, which changes with age.
 pub(super) fn light_settings(anatomy: &Anatomy<'_>) -> LightTableSettings {
     let (cornea, iris) = (anatomy.cornea, anatomy.iris);
     LightTableSettings {
         surface: DVec2::new(cornea.anterior_radius_mm, cornea.anterior_p),
         index: cornea.aqueous_index,
-        iris_z: iris.depth_mm + iris_base(0.5, &mean_frame(anatomy)).x,
+        iris_z: iris.depth_mm
+            + 0.5 * mean_frame(anatomy).width() * iris.cone_deg.to_radians().tan(),
         root_mm: iris.root_radius_mm,
         limbus_mm: cornea.limbus_radius_mm,
     }
@@ -326,8 +333,7 @@ pub(super) fn light_settings(anatomy: &Anatomy<'_>) -> LightTableSettings {
 pub(super) fn mean_frame(anatomy: &Anatomy<'_>) -> IrisFrame {
     let iris = anatomy.iris;
     let pupil = f64::from(DESIGN_PUPIL_RADIUS_MM);
-    let width = (iris.root_radius_mm - pupil).max(1.0);
-    IrisFrame {
+    let mut frame = IrisFrame {
         root: iris.root_radius_mm,
         pupil,
         limbus: anatomy.cornea.limbus_radius_mm,
@@ -336,8 +342,10 @@ pub(super) fn mean_frame(anatomy: &Anatomy<'_>) -> IrisFrame {
         thicken: 1.0,
         furrows: 0.0,
         cone: iris.cone_deg.to_radians().tan(),
-        bow: 4.0 * iris.bowing_at(anatomy.patient.age_years) / width,
-    }
+        bow: 0.0,
+    };
+    frame.bow = 4.0 * iris.bowing_at(anatomy.patient.age_years) / frame.width();
+    frame
 }
 /// Irradiance of an iris under an even sky, by [`super::light_table::iris_sky_knot`].
 fn iris_sky(anatomy: &Anatomy<'_>) -> [f64; SKY_RADII] {
@@ -422,7 +430,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
                 Vec4::new(sky[i], next, 0.0, 0.0)
             })
         },
-        tissue: (&IrisTissue::new(&map_pigment(iris, seed_of(anatomy)))).into(),
+        tissue: (&IrisTissue::new(&map_pigment(iris, anatomy.patient.seed))).into(),
         lamellae_reflect,
         lamellae_pass,
         arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,

@@ -35,6 +35,7 @@ pub(super) fn iris() -> Iris {
         color: crate::anatomy::IrisColor::Brown,
         stroma_melanin_fraction: None,
         border_layer_melanin_fraction: None,
+        collarette_melanin_fraction: None,
         eumelanin_ratio: None,
         depth_mm: 3.6,
         cone_deg: crate::anatomy::IRIS_CONE_DEG,

@@ -430,8 +430,9 @@ with_conditions! { patient_file! {
     eye_options {
         stroma_melanin_fraction, 0 to 0.5, "", "melanin in the stroma's volume; by class without it";
         border_layer_melanin_fraction, 0 to 0.5, "", "melanin in the anterior border layer; by class without it";
+        collarette_melanin_fraction, 0 to 0.5, "", "melanin of the border layer about the collarette, where that is more than elsewhere; by the person without it";
         eumelanin_ratio, 0 to 1, "", "eumelanin in all melanin; by class without it";
-        iris_bowing_mm, -0.4 to 0.6, "mm", "how far the iris' middle stands before that cone, negative behind it; by age without it";
+        iris_bowing_mm, -0.4 to 0.4, "mm", "how far the iris' middle stands before that cone, negative behind it; by age without it";
         arcus, 0 to 1, "", "lipid in the rim of the cornea; by age without it";
         accommodation_amplitude_d, 0 to 20, "D", "most that the lens can add; by age without it";
     }

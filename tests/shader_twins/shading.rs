@@ -570,7 +570,7 @@ fn tears() {
             name: "meniscus_reflection",
             library: &["tear_reflection"],
             call: &format!(
-                "{VIEWS} let c = meniscus_reflection(m, k, n, v, x[13], x[14], 1.0) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
+                "{VIEWS} let c = meniscus_reflection(m, k, n, v, x[14], x[13], 1.0) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
             ),
             draw: &draw_mirror,
             exact: &|x| {
@@ -579,7 +579,7 @@ fn tears() {
                     v3(&x[3..]),
                     v3(&x[6..]),
                     v3(&x[9..]),
-                    [x[13], x[14]],
+                    [x[14], x[13]],
                     // As above.
                     1.0,
                 );

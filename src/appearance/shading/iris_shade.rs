@@ -141,7 +141,9 @@ pub fn iris_reflectance(
     towards_z: f64,
     which: Scattered,
 ) -> DVec3 {
-    let view_cosine = -surface.smooth_normal.dot(surface.direction);
+    // Thickness counts along the axis, whichever way the iris leans.
+    let leans = (1.0 + surface.lean.length_squared()).sqrt();
+    let view_cosine = -surface.smooth_normal.dot(surface.direction) * leans;
     let path = iris_path(surface.smooth_texel.thickness, towards_z, view_cosine);
     let rows = 0.5 * maps.reflectance.size().y;
     let row = (surface.texel.melanin.max(0.0).sqrt() * rows).clamp(0.5, rows - 0.5);
@@ -246,7 +248,7 @@ pub fn iris_lamp(
     march: &IrisMarch,
 ) -> DVec3 {
     let towards = arrives.truncate();
-    // Across the beam, from the plane of the iris.
+    // Across the beam, from a plane across the axis.
     let across = arrives.w / (-towards.z).max(0.2);
     let once = iris_scattered_once(maps, iris, tissue, surface, towards, gathers, march)
         * (core::f64::consts::PI * across);
@@ -269,8 +271,8 @@ pub fn iris_ambient(maps: &IrisMaps, surface: &IrisSurface, sky: f64) -> DVec3 {
     arrives * iris_reflectance(maps, surface, -IRIS_SKY_COSINE, Scattered::All)
 }
 
-/// Share of what is seen past the root at this part of the iris' width: the sclera's inner wall. Through a cornea it is never seen, as its light
-/// is reflected totally there (tests), which is why an examiner lays a lens on it; a patient's file or an artist may take the refraction away.
+/// Share of what is seen past the root at this part of the iris' width: the sclera's inner wall. Through a cornea hardly any of it is seen, as its
+/// light is reflected totally there (tests), which is why an examiner lays a lens on it; a patient's file or an artist may take the refraction away.
 pub fn angle_share(v: f64) -> f64 {
     smoothstep(1.0, 1.02, v)
 }

@@ -7,7 +7,8 @@ use crate::appearance::light_table::{iris_light, iris_sky_knot};
 use crate::appearance::materials::{GlobePart, GlobeUniform};
 use crate::appearance::shading::footprint::pixel_footprint;
 use crate::appearance::shading::iris_relief::{
-    IrisFrame, IrisMarch, IrisPlace, furrow_depth, iris_landing, iris_place, tagged_pupil, thicken,
+    IrisFrame, IrisMarch, IrisPlace, furrow_depth, iris_base, iris_landing, iris_place,
+    tagged_pupil, thicken,
 };
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
@@ -174,7 +175,9 @@ impl IrisPicture {
         let [right, up, ahead] = self.axes;
         let aside = DVec2::new(ndc.x * size.x / size.y, -ndc.y) * self.half_field;
         let direction = (ahead + right * aside.x + up * aside.y).normalize();
-        let trace = cornea_trace(
+        // To the plane of the root, as the shader does.
+        let root_mm = iris_base(1.0, &self.frame).x.max(0.0);
+        let mut trace = cornea_trace(
             self.camera - self.apex(),
             direction,
             self.anterior(),
@@ -182,11 +185,12 @@ impl IrisPicture {
             f64::from(self.globe.thickness_mm),
             f64::from(self.globe.cornea_index),
             self.aqueous(),
-            self.iris_depth(),
+            self.iris_depth() + root_mm,
         );
         if trace.valid < 0.5 {
             return None;
         }
+        trace.point -= trace.direction * (root_mm / trace.direction.z.max(0.05));
         let r = trace.entry.truncate().length();
         let wide = 0.9 * limbus_width(trace.entry.y / r.max(1e-3));
         let limbus = self.frame.limbus;

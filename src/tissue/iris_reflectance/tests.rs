@@ -312,3 +312,28 @@ fn senseless_input_stays_a_colour() {
     );
     assert!(IrisReflectanceTable::new(&IrisPigment::BLUE, 1, 1).sample(f64::NAN, 9.0)[0] > 0.0);
 }
+
+#[test]
+fn stromas_grown_by_steps_are_those_of_their_thickness() {
+    for pigment in [IrisPigment::BLUE, IrisPigment::BROWN] {
+        let [width, height] = IRIS_TABLE;
+        let [all, again] = IrisReflectanceTable::seen(&pigment, width, height);
+        for (column, row) in [
+            (0, 0),
+            (width / 2, 3),
+            (width - 1, 0),
+            (width - 1, height - 1),
+        ] {
+            let path = STROMA_PATH_MAX_MM * (column as f64 + 0.5) / width as f64;
+            let root = (row as f64 + 0.5) / height as f64;
+            let alone = iris_reflectance_seen(&pigment, path, root * root);
+            for (table, one) in [&all, &again].into_iter().zip(alone) {
+                let found = table.rgb()[row * width + column];
+                for (a, b) in found.iter().zip(one) {
+                    // Sixty-four steps, each of whose slices is good to 1e-7 of its depth.
+                    assert!((a - b).abs() < 1e-6, "{column} {row}: {a} {b}");
+                }
+            }
+        }
+    }
+}

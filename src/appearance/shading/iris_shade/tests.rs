@@ -269,9 +269,9 @@ fn what_is_scattered_again_spreads_as_far_as_walks_between_strands_do() {
 }
 
 /// Gonioscopy: light from the chamber's angle is reflected totally at the cornea. The usual eye shows nothing past the root of its iris from
-/// any side, no healthy one more than the next 0.6 mm; without refraction it lies open.
+/// any side, no healthy one more than the next 0.7 mm; without refraction it lies open.
 #[test]
-fn no_cornea_lets_the_angle_be_seen() {
+fn a_cornea_hides_the_angle() {
     let mut stream = crate::tissue::noise::HashStream::new(7, 1);
     // By how much (a share of what healthy eyes have) eyes are drawn beside the usual one.
     let mut outermost = |n_cornea: f64, n_aqueous: f64, eyes: usize, varied: f64| {
@@ -332,7 +332,7 @@ fn no_cornea_lets_the_angle_be_seen() {
         "seen past the root: {usual:.2} mm, of healthy eyes {healthy:.2}, unrefracted {none:.1}"
     );
     assert!(
-        usual < 0.0 && healthy < 0.6 && none > 2.0,
+        usual < 0.0 && healthy < 0.7 && none > 2.0,
         "{usual} {healthy} {none}"
     );
 }
