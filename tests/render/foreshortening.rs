@@ -20,13 +20,13 @@ fn ratio(picture: &RgbaImage) -> f64 {
         .flat_map(|x| (-40..40).map(move |y| (near(x), near(y))))
         .min_by(|a, b| luma_at(picture, a.0, a.1).total_cmp(&luma_at(picture, b.0, b.1)))
         .expect("a place");
-    // The lashes' reflection draws darker lines across its top: what a pupil is like is its middle's median.
+    // It mirrors lashes and a room with somebody in it: nearly all of its middle is as dark as this or darker.
     let mut dark: Vec<f64> = (-20..20)
         .flat_map(|x| (-20..20).map(move |y| (near(x), near(y))))
         .map(|(x, y)| luma_at(picture, x, y))
         .collect();
     dark.sort_by(f64::total_cmp);
-    let dark = dark[dark.len() / 2];
+    let dark = dark[dark.len() * 9 / 10];
     let mut waiting = vec![start];
     let (mut low, mut high) = (UVec2::splat(SIDE), UVec2::ZERO);
     while let Some((x, y)) = waiting.pop() {
