@@ -14,7 +14,7 @@ use bevy::reflect::Reflect;
 /// A light that an eye is photographed in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 pub enum StudioLight {
-    /// A four-paned window, up and to one side, in a light room, and a small lamp on the other.
+    /// A four-paned window, up and to one side, in a room with somebody opposite, and a small lamp on the other side.
     #[default]
     Window,
     /// A square softbox above, and a reflector below.
@@ -25,7 +25,7 @@ pub enum StudioLight {
     Coaxial,
     /// A penlight before the eye, in a dim room.
     Penlight,
-    /// Outdoors under clouds: the CIE's standard overcast sky over grey ground.
+    /// Outdoors under clouds: the CIE's standard overcast sky over a street.
     Overcast,
     /// A table lamp in the evening.
     Lamp,
@@ -59,12 +59,12 @@ impl StudioLight {
     /// What it is, for lists.
     pub fn description(self) -> &'static str {
         match self {
-            Self::Window => "a window in a light room",
+            Self::Window => "a window in a room, somebody opposite",
             Self::Softbox => "a softbox above, a reflector below",
             Self::Ring => "a ring flash around the lens",
             Self::Coaxial => "a small lamp along the lens's axis: the red reflex",
             Self::Penlight => "a penlight before the eye",
-            Self::Overcast => "outdoors under clouds",
+            Self::Overcast => "outdoors, clouds over a street",
             Self::Lamp => "a table lamp in the evening",
         }
     }

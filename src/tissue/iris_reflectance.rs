@@ -540,9 +540,10 @@ impl IrisReflectanceTable {
             let border =
                 AT.1.each_ref()
                     .map(|tissue| border_layer(&pigment, density, tissue));
-            for column in 0..width {
-                let found: [[f64; K]; IRIS_WAVELENGTHS] =
-                    core::array::from_fn(|i| over_black(&border[i], &stromas[i][column]));
+            let at = |column: usize| -> [[f64; K]; IRIS_WAVELENGTHS] {
+                core::array::from_fn(|i| over_black(&border[i], &stromas[i][column]))
+            };
+            for found in (0..width).map(at) {
                 for (k, rgb) in rgb.iter_mut().enumerate() {
                     rgb.push(colour(&found.map(|one| one[k])));
                 }
