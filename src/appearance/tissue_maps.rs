@@ -241,7 +241,7 @@ fn iris_settings(iris: &Iris, seed: u64, person: u64) -> IrisMapSettings {
     // A little pigment gathers about the collarette first: hazel and green eyes.
     let ring = 4.0 * share * (1.0 - share);
     let sector_deg = iris.sector_deg.clamp(0.0, 360.0);
-    let densest = map_pigment(iris, seed)
+    let densest = map_pigment(iris, person)
         .border_layer_melanin_fraction
         .max(1e-9);
     IrisMapSettings {
@@ -441,5 +441,51 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         lens_turn: (anatomy.patient.iris_seed(anatomy.eye.laterality) % 997) as f32 * 0.0063,
         // The lens is filled in by its media and by what it is focused for, the pupil's place by who moves it.
         ..GlobeUniform::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anatomy::Laterality;
+    use crate::patients::PatientFile;
+
+    fn iris_of(change: impl Fn(&mut Iris)) -> Iris {
+        let (_, _, mut iris, ..) = PatientFile::default().eye_components(Laterality::OD);
+        change(&mut iris);
+        iris
+    }
+
+    /// What a map holds is a share of what its pigment has where it is densest: with freckles and without, in either eye of whom it may be.
+    #[test]
+    fn shares_of_melanin_are_of_the_densest_that_the_map_has() {
+        for (own, ring, freckles) in [
+            (0.035, None, 0.0),
+            (0.035, Some(0.4), 0.0),
+            (0.2, None, 0.0),
+            (0.035, None, 5.0),
+            (0.5, Some(0.0), 0.0),
+        ] {
+            let iris = iris_of(|iris| {
+                iris.border_layer_melanin_fraction = Some(own);
+                iris.collarette_melanin_fraction = ring;
+                iris.freckles = freckles;
+            });
+            for person in 0..20 {
+                let densest = map_pigment(&iris, person).border_layer_melanin_fraction;
+                for eye in [person, person ^ 0x5c1e_4a00] {
+                    let settings = iris_settings(&iris, eye, person);
+                    let found = f64::from(settings.own_melanin) * densest;
+                    assert!((found - own).abs() < 1e-7, "{own} {ring:?}: {found}");
+                    let found = f64::from(settings.ring_melanin) * densest;
+                    let wanted = ring_melanin(&iris, person);
+                    assert!((found - wanted).abs() < 1e-7, "{own} {ring:?}: {found}");
+                    assert!(settings.own_melanin <= 1.0 && settings.ring_melanin <= 1.0);
+                }
+            }
+        }
+        // Where a border layer has none there is none about the collarette either, unless a file says so.
+        let bare = iris_of(|iris| iris.border_layer_melanin_fraction = Some(0.0));
+        assert!((0..20).all(|person| ring_melanin(&bare, person) == 0.0));
     }
 }
