@@ -225,7 +225,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm + root_mm);
     if trace.valid < 0.5 {
         // What enters so far aside stays in the rim, where the sclera's lamellae begin.
-        return lamellae_reflected(1.0) * ambient(-head_from_eye()[2]) * shade.sky;
+        return lamellae_reflected(1.0) * lid_sky(illumination.ambient, shade, -head_from_eye()[2]);
     }
     trace.point -= trace.direction * (root_mm / max(trace.direction.z, 0.05));
 #ifdef ARTISTIC
@@ -316,7 +316,9 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 #endif
 
 // Roughness of the wet white.
-const WHITE_ROUGHNESS: f32 = 0.24;
+const WHITE_ROUGHNESS: f32 = 0.2;
+// How far (rad) a surface as rough as that spreads what it mirrors.
+const WHITE_BLUR: f32 = 0.1;
 
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
@@ -354,7 +356,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         from_axis = r;
         if r < globe.limbus_mm { p = hit + apex; }
 #ifdef WHITE
-        let wide = limbus_width(sine);
+        let wide = limbus_width(hit.xy, globe.lens_turn);
 #ifdef ARTISTIC
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_color_mm), globe.limbus_mm);
         let shaped = limbus_share(limbus_place(r, globe.limbus_mm, globe.look.limbus_shading_mm), globe.limbus_mm);
@@ -369,17 +371,18 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     }
 #endif
     let p_head = head_from_eye() * p;
-    var shade = lids_at(p_head);
-#ifdef CONJUNCTIVA
-    // Towards the corner it rises to the margins, and less hangs over it.
-    shade.sky = mix(shade.sky, in.tissue.a, 0.7 * in.tissue.b);
-#endif
+    let shade = lids_at(p_head);
 #ifdef ARTISTIC
     let white_roughness = globe.look.white_roughness;
 #else
     let white_roughness = WHITE_ROUGHNESS;
 #endif
     let footprint = footprint_at(distance(p, camera));
+#ifdef ARTISTIC
+    let unseen = unseen_slopes(footprint / globe.look.white_relief_size) * globe.look.white_relief * globe.look.white_relief;
+#else
+    let unseen = unseen_slopes(footprint);
+#endif
 #ifdef CONJUNCTIVA
     // Where it is thick its own lumps, each of which is smooth, break what its wet surface mirrors; where it has none it is rough.
     let lumpy = lumps_at(vessel_map, sclera_sampler, p_head, footprint, globe.sclera_radius_mm);
@@ -397,20 +400,25 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef ARTISTIC
         let aside = sclera_surface(sclera_map, vessel_map, sclera_sampler, relief_place(p, globe.look.white_relief_size), normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
         sclera.normal = normalize(normal + (aside.normal - normal) * globe.look.white_relief);
+        sclera.soft = normalize(normal + (aside.soft - normal) * globe.look.white_relief);
         sclera.albedo *= globe.look.white_brightness;
 #endif
         wet_normal = normalize(mix(sclera.normal, normal, corneal));
 #ifdef CONJUNCTIVA
         let slope = eye_from_head * vec3f(lumpy.yz * in.tissue.b, 0.0);
         wet_normal = normalize(sclera.normal - slope);
-        sclera.normal = normalize(sclera.normal - 0.6 * slope);
+        sclera.soft = normalize(sclera.soft - 0.6 * slope);
         sclera.albedo *= conjunctiva_filter(globe.flesh, sclera.albedo, in.tissue.b);
         sclera.albedo *= mix(vec3f(1.0), lump_color(lumpy.x), in.tissue.b * lumpy.w);
 #endif
-        let n_white = head_from_eye() * sclera.normal;
+        let n_white = head_from_eye() * sclera.soft;
         let n_wet = head_from_eye() * wet_normal;
         let roughness = white_roughness * (1.0 + uneven);
-        var light = ambient(n_white) * shade.sky;
+        var light = lid_sky(illumination.ambient, shade, n_white);
+#ifdef CONJUNCTIVA
+        // Towards the corner it rises to the margins, and less hangs over it.
+        light = mix(light, ambient(n_white) * in.tissue.a, 0.7 * in.tissue.b);
+#endif
         for (var i = 0; i < LAMPS; i++) {
             let lamp = lamp_at(i, p_head);
             var left = lid_lamp(shade, lamp.direction, lamp.radius);
@@ -418,7 +426,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             left = mix(left, in.tissue.a, 0.7 * in.tissue.b);
 #endif
             light += lamp.color * left * sclera_lamp(dot(n_white, lamp.direction));
-            let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius);
+            let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius + sqrt(2.0 * unseen));
             specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * left * (1.0 - corneal));
         }
         diffuse = sclera.albedo * light * sclera_lid_bounce(shade);
@@ -439,7 +447,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef ARCUS
         // Lipid in the rim of the stroma, lit as the white is.
         let n_cornea = head_from_eye() * normal;
-        var light = ambient(n_cornea) * shade.sky;
+        var light = lid_sky(illumination.ambient, shade, n_cornea);
         for (var i = 0; i < LAMPS; i++) {
             let lamp = lamp_at(i, p_head);
             light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
@@ -457,7 +465,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 
     let tears = tear_layer(p_head.xy, tear_age(in.tag), globe.lipid_nm, globe.tear_breakup_s, globe.lens_turn);
     let n_head = normalize(head_from_eye() * wet_normal + vec3f(tears.tilt, 0.0));
-    let broken = 0.16 * (1.0 + uneven) * (white_roughness / WHITE_ROUGHNESS);
+    let broken = WHITE_BLUR * (1.0 + uneven) * (white_roughness / WHITE_ROUGHNESS) + 2.0 * sqrt(unseen);
 #ifdef ARTISTIC
     let blur = mix(broken, globe.look.cornea_roughness, corneal);
     specular *= globe.look.white_specularity;

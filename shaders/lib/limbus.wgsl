@@ -35,21 +35,29 @@ fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
     return limbus_radius + (r - limbus_radius) * (0.9 / max(width, 1e-3));
 }
 
-// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against 0.9 mm: above and
-// below the sclera goes further over the cornea.
-fn limbus_width(sine: f32) -> f32 {
-    return 0.87 + 0.48 * sine * sine;
+// How much narrower the transition is where it is narrowest.
+const LIMBUS_UNEVEN: f32 = 0.4;
+
+// Width of the transition at a place (mm from the axis), against 0.9 mm: above and below the sclera goes further over the cornea, and here
+// and there less far; `own` (rad) makes it that of this eye.
+fn limbus_width(at: vec2f, own: f32) -> f32 {
+    let sine = at.y / max(length(at), 1e-3);
+    let uneven = 0.5 + (sin(1.7 * at.x + own) + sin(2.3 * at.y - 1.3 * own) + sin(5.3 * at.x + 3.1 * at.y + 2.0 * own)) / 6.0;
+    return (0.87 + 0.48 * sine * sine) * (1.0 - LIMBUS_UNEVEN * uneven);
 }
 
 // What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do.
 const ARCUS_DENSEST: f32 = 0.3;
 
+// Width (mm) of the clear rim about it.
+const ARCUS_CLEAR_MM: f32 = 0.45;
+
 // Density of the lipid of an arcus at a place of the cornea, `r` from the axis: a ring with a clear rim outside it, which comes
 // first above and below; `lipid` 0 to 1.
 fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32) -> f32 {
     let inside = limbus_radius - r;
-    let wide = 0.7 + 1.3 * lipid;
-    let ring = smoothstep(-0.05, 0.4, inside) * smoothstep(wide + 0.7, 0.35 * wide, inside);
+    let wide = 0.6 + 1.1 * lipid;
+    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside) * smoothstep(wide + 1.0, ARCUS_CLEAR_MM + 0.35 * wide, inside);
     let there = mix(0.65 * smoothstep(0.15, 0.85, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);
     return ring * there;
 }

@@ -6,7 +6,8 @@
 // The map is azimuthal equidistant from the front, to 100 degrees.
 const SCLERA_HALF_ANGLE: f32 = 1.7453293;
 
-struct ScleraSurface { albedo: vec3f, normal: vec3f };
+// `normal` is that of its wet surface, `soft` that of the tissue as its diffuse light shows it.
+struct ScleraSurface { albedo: vec3f, normal: vec3f, soft: vec3f };
 
 // Depth (mm) of the episcleral vessels under the surface, and how far light travels sideways in the tissue, so that a
 // vessel's shadow is that wide.
@@ -25,6 +26,18 @@ fn sclera_uv(p: vec3f) -> vec2f {
 // The normal with the relief of the map, from how much higher (mm) it is a step (mm) to the right and above.
 fn sclera_normal(normal: vec3f, right: f32, above: f32, step: f32) -> vec3f {
     return normalize(normal - vec3f(vec2f(right, above) / step, 0.0));
+}
+
+// Share of the relief's slopes that diffuse light shows: it travels further than most of them are wide.
+const WHITE_SOFT: f32 = 0.3;
+// Spread (rad, of the slopes along an axis) of the relief of the wet white, and the width (mm) of a pixel that no longer sees half of it.
+const WHITE_SLOPES: f32 = 0.057;
+const WHITE_SLOPES_MM: f32 = 0.105;
+
+// Variance of the slopes of the wet white along an axis that a pixel of this footprint (mm) does not see one by one.
+fn unseen_slopes(footprint: f32) -> f32 {
+    let wide = footprint / WHITE_SLOPES_MM;
+    return WHITE_SLOPES * WHITE_SLOPES * (1.0 - 1.0 / (1.0 + wide * wide));
 }
 
 // What vessels with columns of blood of `column` mm in the mean leave of white light, linear sRGB: green by Beer's law, red and
@@ -86,7 +99,9 @@ fn sclera_surface(colors: texture_2d<f32>, vessels: texture_2d<f32>, linear: sam
     let shadow = textureSampleLevel(vessels, linear, uv, max(lod, log2(SHADOW_MM / texel))).r;
     let ground = textureSampleLevel(colors, linear, uv, max(lod - 2.0, 0.0)).rgb;
     let albedo = ground * vessel_filter(here.r, shadow, deep, above);
-    return ScleraSurface(albedo, sclera_normal(normal, right - here.b, upper - here.b, step * side * texel));
+    let rise = vec2f(right - here.b, upper - here.b);
+    let run = step * side * texel;
+    return ScleraSurface(albedo, sclera_normal(normal, rise.x, rise.y, run), sclera_normal(normal, WHITE_SOFT * rise.x, WHITE_SOFT * rise.y, run));
 }
 
 // The lumps of plica and caruncle at a point p of the head frame: their height (mm), how fast it rises along x and y, and whether there are

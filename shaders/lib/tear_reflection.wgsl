@@ -1,33 +1,14 @@
-// needs: fresnel.wgsl, surroundings.wgsl, tear_film.wgsl
+// needs: fresnel.wgsl, lash_comb.wgsl, surroundings.wgsl, tear_film.wgsl
 //
 // What the tears mirror. Head frame, unit vectors; n the normal, v towards the eye that looks; `mirrored` is
 // the radiance from where the mirror looks. Twin: src/appearance/shading/tear_reflection.rs.
 
-// How much the upper lashes rise (1/mm: their height over the margin is this times the square of how far they stand before it), how
-// far they reach forward (mm), and how dark they are.
-const LASH_CURL: f32 = 0.09;
-const LASH_REACH_MM: f32 = 8.0;
-const LASH_DARK: f32 = 0.8;
-// Their comb, rad/mm, and the share of it that is lash; the radius (mm) of the mirror that shrinks it.
-const LASH_COMB: f32 = 19.0;
-const LASH_SHARE: f32 = 0.29;
+// Radius (mm) of the mirror that shrinks the lashes.
 const LASH_MIRROR_MM: f32 = 7.8;
 
-// Share of a ray in the unit direction r, from a place `x` mm aside and `upper_gap` mm below the upper lid's margin, that its
-// lashes let pass: they stand as a comb on a sheet that curls up before the lid, and a pixel of this footprint (mm) that is wider
-// than its teeth sees what they take in the mean.
+// Share of a mirrored ray that the lashes let pass to a pixel of this footprint (mm), see `lashes_left`.
 fn lashes_pass(x: f32, r: vec3f, upper_gap: f32, footprint: f32) -> f32 {
-    let forward = max(-r.z, 0.2);
-    let rise = r.y / forward;
-    let crosses = rise * rise - 4.0 * LASH_CURL * max(upper_gap, 0.0);
-    let reach = (rise - sqrt(max(crosses, 0.0))) / (2.0 * LASH_CURL);
-    let aside = x + r.x / forward * reach;
-    let comb = sin(aside * LASH_COMB + 2.5 * sin(aside * 2.3) + 1.7 * sin(aside * 5.1));
-    // How far apart neighbouring pixels' places on the sheet are.
-    let turn = LASH_COMB * footprint * (1.0 + 2.0 * reach / LASH_MIRROR_MM + abs(r.x) / forward * inverseSqrt(max(crosses, 0.01)));
-    let tooth = mix(LASH_SHARE, smoothstep(0.3, 0.95, comb), exp(-turn * turn));
-    let there = smoothstep(0.0, 0.06, crosses) * smoothstep(0.0, 0.3, rise) * (1.0 - smoothstep(0.5 * LASH_REACH_MM, LASH_REACH_MM, reach));
-    return 1.0 - LASH_DARK * there * tooth;
+    return lashes_left(x, r, upper_gap, footprint, 2.0 * footprint / LASH_MIRROR_MM);
 }
 
 // Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place `x` mm aside (head frame) and `upper_gap` mm below

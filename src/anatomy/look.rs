@@ -75,7 +75,7 @@ impl Look {
         limbus_color_mm: 0.9,
         limbus_shading_mm: 0.9,
         white_brightness: 1.0,
-        white_roughness: 0.24,
+        white_roughness: 0.2,
         white_specularity: 1.0,
         white_relief: 1.0,
         white_relief_size: 1.0,

@@ -13,6 +13,7 @@ use bevy::render::RenderApp;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::extract_component::{ExtractComponent, ExtractComponentPlugin};
 use bevy::render::renderer::ViewQuery;
+use core::ops::RangeInclusive;
 
 /// Half of the field that the camera shows across its smaller side, rad.
 const HALF_FIELD: f32 = 12.5 * std::f32::consts::PI / 180.0;
@@ -105,7 +106,7 @@ pub struct EyeOrbit {
     pub azimuth_deg: f32,
     /// Up, degrees, −80 to 80.
     pub elevation_deg: f32,
-    /// Distance from the cornea, mm, 35 to 400.
+    /// Distance from the cornea, mm, [`Self::DISTANCES_MM`].
     pub distance_mm: f32,
 }
 
@@ -120,13 +121,17 @@ impl Default for EyeOrbit {
 }
 
 impl EyeOrbit {
+    /// How far from the cornea it may stand, mm.
+    pub const DISTANCES_MM: RangeInclusive<f32> = 35.0..=1000.0;
+
     /// Keeps every number in its range.
     pub fn clamped(self) -> Self {
         let finite = |value: f32, or: f32| if value.is_finite() { value } else { or };
         Self {
             azimuth_deg: finite(self.azimuth_deg, 0.0).clamp(-85.0, 85.0),
             elevation_deg: finite(self.elevation_deg, 0.0).clamp(-80.0, 80.0),
-            distance_mm: finite(self.distance_mm, 93.0).clamp(35.0, 400.0),
+            distance_mm: finite(self.distance_mm, 93.0)
+                .clamp(*Self::DISTANCES_MM.start(), *Self::DISTANCES_MM.end()),
         }
     }
 

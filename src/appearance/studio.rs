@@ -142,23 +142,31 @@ struct Shining {
 }
 
 enum Shape {
-    Disc,
+    /// A lampshade, narrower above, through which its bulb shines.
+    Shade,
     /// Brighter above by half.
     Square,
     /// Four panes of sky, brighter above.
     Panes,
 }
 
+/// A lampshade against the disc about it: how tall it is, how wide in its middle, how much narrower at its top, and how far behind its cloth the
+/// bulb is.
+const SHADE_TALL: f64 = 0.8;
+const SHADE_WIDE: f64 = 0.78;
+const SHADE_TAPER: f64 = 0.2;
+const SHADE_BULB: f64 = 0.8;
+
 /// Width of an edge, as a tangent.
 const EDGE: f64 = 0.008;
 
 impl Shining {
-    fn disc(direction: DVec3, radius: f64, color: DVec3, away: f64) -> Self {
+    fn shade(direction: DVec3, radius: f64, color: DVec3, away: f64) -> Self {
         let half = DVec2::splat(radius);
         Self {
             direction: direction.normalize(),
             half,
-            shape: Shape::Disc,
+            shape: Shape::Shade,
             color,
             away,
         }
@@ -177,7 +185,14 @@ impl Shining {
         let within = inside(p.x.abs() - self.half.x) * inside(p.y.abs() - self.half.y);
         let up = (p.y / self.half.y).clamp(-1.0, 1.0);
         match self.shape {
-            Shape::Disc => inside(p.length() - self.half.x),
+            Shape::Shade => {
+                let tall = inside(p.y.abs() - SHADE_TALL * self.half.y);
+                let wide = inside(p.x.abs() - self.half.x * (SHADE_WIDE - SHADE_TAPER * up));
+                // A bulb in its middle, behind the cloth: by the square of its distance and by the cosine on the cloth.
+                let far =
+                    p.length_squared() / (SHADE_BULB * SHADE_BULB * self.half.x * self.half.x);
+                tall * wide * (1.0 + far).powf(-1.5)
+            }
             Shape::Square => within * (1.0 + 0.2 * up),
             Shape::Panes => {
                 let bar = (0.07 * self.half.x).max(0.02);
@@ -212,7 +227,7 @@ impl Studio {
                         color: rgb(0.83, 0.85, 0.87),
                         away: 2.2,
                     },
-                    Shining::disc(rgb(-0.72, -0.05, -0.62), 0.07, rgb(0.10, 0.088, 0.08), 1.2),
+                    Shining::shade(rgb(-0.72, -0.05, -0.62), 0.07, rgb(0.10, 0.088, 0.08), 1.2),
                 ],
             ),
             StudioLight::Softbox => (
@@ -240,7 +255,7 @@ impl Studio {
             StudioLight::Overcast => (DVec3::ZERO, Vec::new()),
             StudioLight::Lamp => (
                 rgb(0.080, 0.053, 0.031),
-                vec![Shining::disc(
+                vec![Shining::shade(
                     rgb(-0.62, 0.30, -0.72),
                     0.14,
                     rgb(0.95, 0.63, 0.34),

@@ -122,6 +122,7 @@ pub fn cases(
         ("eight lamps", Some(8), 93.0),
         ("macro, 45 mm", None, 45.0),
         ("face, 400 mm", None, 400.0),
+        ("face, 1 m", None, 1000.0),
     ];
     let mut running = Vec::new();
     for (_, lamps, distance_mm) in ways {

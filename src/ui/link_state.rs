@@ -280,7 +280,7 @@ impl LinkState {
                 Some([azimuth, elevation, distance])
                     if azimuth.abs() <= 85.0
                         && elevation.abs() <= 80.0
-                        && (35.0..=400.0).contains(&distance) =>
+                        && EyeOrbit::DISTANCES_MM.contains(&(distance as f32)) =>
                 {
                     self.orbit = EyeOrbit {
                         azimuth_deg: azimuth as f32,
@@ -290,7 +290,7 @@ impl LinkState {
                     Ok(())
                 }
                 _ => refuse(
-                    "degrees (-85 to 85), degrees (-80 to 80) and mm (35 to 400), as in 30,0,93",
+                    "degrees (-85 to 85), degrees (-80 to 80) and mm (35 to 1000), as in 30,0,93",
                 ),
             },
             "light" => match PanelLight::of(value) {

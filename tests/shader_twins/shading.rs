@@ -11,7 +11,7 @@ use ocularium::appearance::illumination::Lamp;
 use ocularium::appearance::materials::{LID_SAMPLES, LidMargins};
 use ocularium::appearance::shading::lid_shade::LidShade;
 use ocularium::appearance::shading::{
-    footprint, hair_shade, iris_relief, knots, lamp_lobe, lens_shade, lid_shade, limbus,
+    footprint, hair_shade, iris_relief, knots, lamp_lobe, lash_comb, lens_shade, lid_shade, limbus,
     surroundings, tear_layer, tear_reflection,
 };
 use rand_pcg::Pcg64;
@@ -274,15 +274,20 @@ fn the_lids() {
     let call = format!(
         "let p = vec3f(x[{}], x[{}], x[{}]); let at = lid_knot(p.x); \
          let s = lid_shade(LidSpan(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
-         y[0] = s.sky; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
-         y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]); y[5] = lid_sky_within(s, 3.0, 1.336);",
+         y[0] = s.aside; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
+         y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]); y[5] = lid_sky_within(s, 3.0, 1.336); \
+         var around = array<vec4<f32>, 9>(); for (var i = 0; i < 9; i++) {{ around[i] = vec4f(1.0 - 0.2 * f32(i), 0.3 + 0.1 * f32(i), 0.5, 0.0); }} \
+         let sky = lid_sky(around, s, normalize(vec3f(x[{}], x[{}], x[{}]) - vec3f(0.0, 0.0, 2.0))); y[6] = sky.x; y[7] = sky.y; y[8] = sky.z;",
         samples,
         samples + 1,
         samples + 2,
         samples + 3,
         samples + 4,
         samples + 5,
-        samples + 6
+        samples + 6,
+        samples + 3,
+        samples + 4,
+        samples + 5
     );
     pass_unless_off(
         &Twin {
@@ -310,7 +315,14 @@ fn the_lids() {
                 let s = lid_shade::lids_at(&lids, v3(&x[samples..]));
                 let lamp = lid_shade::lid_lamp(&s, v3(&x[samples + 3..]), x[samples + 6]);
                 let within = lid_shade::lid_sky_within(&s, 3.0, 1.336);
-                vec![s.sky, s.contact, s.upper_gap, s.lower_gap, lamp, within]
+                let around = core::array::from_fn(|i| {
+                    let i = i as f32;
+                    bevy::math::Vec4::new(1.0 - 0.2 * i, 0.3 + 0.1 * i, 0.5, 0.0)
+                });
+                let n = (v3(&x[samples + 3..]) - 2.0 * DVec3::Z).normalize();
+                let sky = lid_shade::lid_sky(&around, &s, n);
+                let lids = [s.aside, s.contact, s.upper_gap, s.lower_gap, lamp, within];
+                [&lids[..], &rgb(sky)].concat()
             },
             // A place among 31 intervals is good to 4e-6, between heights 2 mm apart.
             absolute: 2e-5,
@@ -334,7 +346,7 @@ fn the_limbus() {
                    let at = lamellae_knot(x[8]); let there = mix(table[at.below], table[at.below + 1], at.part).rgb; let whole = table[7].rgb; \
                    let c = limbus_through(there, whole) + 0.25 * limbus_white(there, whole); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
                    let n = limbus_normal(vec3f(x[2], x[3], x[4]), vec3f(x[5], x[6], x[7]), y[0]); \
-                   y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8]); y[8] = limbus_width(x[2]);",
+                   y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8]); y[8] = limbus_width(vec2f(x[0] * x[2], x[1] * x[3]), 6.0 * x[8]);",
             draw: &|rng| {
                 let limbus = between(rng, 5.0, 6.5);
                 let globe = unit(rng);
@@ -368,7 +380,8 @@ fn the_limbus() {
                 out.extend(rgb(through + 0.25 * limbus::limbus_white(there, table[7])));
                 out.extend(rgb(normal));
                 out.push(limbus::arcus_share(x[0], x[2], x[1], x[8]));
-                out.push(limbus::limbus_width(x[2]));
+                let place = glam::DVec2::new(x[0] * x[2], x[1] * x[3]);
+                out.push(limbus::limbus_width(place, 6.0 * x[8]));
                 out
             },
             // 6 mm carries 5e-7; over an edge of 1.05 mm and then over 0.35 of the share.
@@ -490,17 +503,18 @@ fn tears() {
     );
     pass_unless_off(
         &Twin {
-            name: "lashes_pass",
-            library: &["tear_reflection"],
-            call: "y[0] = lashes_pass(x[14], normalize(vec3f(x[6], x[7], x[8])), x[13], x[15]);",
+            name: "lashes_left",
+            library: &["tear_reflection", "lash_comb"],
+            call: "let r = normalize(vec3f(x[6], x[7], x[8])); y[0] = lashes_pass(x[14], r, x[13], x[15]); \
+                   y[1] = lashes_left(x[14], r, x[13], 0.06, 0.1 * x[15]); y[2] = lash_rise(x[13]);",
             draw: &draw_mirror,
             exact: &|x| {
-                vec![tear_reflection::lashes_pass(
-                    x[14],
-                    v3(&x[6..]).normalize(),
-                    x[13],
-                    x[15],
-                )]
+                let r = v3(&x[6..]).normalize();
+                vec![
+                    tear_reflection::lashes_pass(x[14], r, x[13], x[15]),
+                    lash_comb::lashes_left(x[14], r, x[13], 0.06, 0.1 * x[15]),
+                    lash_comb::lash_rise(x[13]),
+                ]
             },
             // 19 rad a millimetre at a place of 40 mm, good to 5e-6, through a step of 2.3 and 0.8.
             absolute: 2e-4,
@@ -712,7 +726,7 @@ pub fn draw_shade(rng: &mut Pcg64) -> [f32; 4] {
 
 pub fn shade_of(x: &[f64]) -> LidShade {
     LidShade {
-        sky: x[0],
+        aside: x[0],
         contact: x[1],
         upper_gap: x[2],
         lower_gap: x[3],

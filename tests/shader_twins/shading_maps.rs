@@ -158,7 +158,7 @@ fn sclera() {
             call: "let r = sclera_surface(sclera_map, vessel_map, sclera_map_sampler, vec3f(x[0], x[1], x[2]), \
                    vec3f(x[3], x[4], x[5]), normalize(vec3f(x[3], x[4], x[5]) + vec3f(x[8], x[9], x[10])), x[6], x[7], \
                    vec3f(0.2, 0.3, 0.45)); let c = r.albedo; y[0] = c.x; y[1] = c.y; y[2] = c.z; \
-                   y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z; \
+                   y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z + r.soft.x + r.soft.y + unseen_slopes(x[6]); \
                    let e = sclera_lid_bounce(LidShade(x[11], x[12], x[13], x[14])) + sclera_lamp(x[0]); \
                    y[6] = e.x; y[7] = e.z; y[8] = textureSampleLevel(vessel_map, vessel_map_sampler, vec2f(0.5), 0.0).a;",
             draw: &|rng| {
@@ -182,7 +182,9 @@ fn sclera() {
                     sclera_shade::sclera_surface(&color_view, &vessel_view, &sight, x[7], above);
                 let e = sclera_shade::sclera_lid_bounce(&shade_of(&x[11..]))
                     + sclera_shade::sclera_lamp(x[0]);
-                [rgb(r.albedo), rgb(r.normal), vec![e.x, e.z, 0.0]].concat()
+                let normal =
+                    r.normal + (r.soft.x + r.soft.y + sclera_shade::unseen_slopes(x[6])) * DVec3::Z;
+                [rgb(r.albedo), rgb(normal), vec![e.x, e.z, 0.0]].concat()
             },
             // The place is good to 1.1e-4 of 1024 texels, a ninth of one, between texels of vessels and ripples.
             absolute: 9e-3,

@@ -249,7 +249,7 @@ pub(super) struct RenderArgs {
     /// -85 to 85 and -80 to 80.
     #[arg(long, default_value = "0,0", value_name = "AZ,EL", value_parser = parse_orbit, allow_hyphen_values = true)]
     pub(super) orbit: [f32; 2],
-    /// Distance of that camera from the cornea in mm, 35 to 400.
+    /// Distance of that camera from the cornea in mm, 35 to 1000.
     #[arg(long, default_value_t = 93.0, value_name = "MM", value_parser = parse_distance, allow_hyphen_values = true)]
     pub(super) distance: f32,
     /// How finely the eye is drawn.

@@ -1,5 +1,6 @@
 //! Values of options as a user writes them.
 
+use crate::appearance::eye_camera::EyeOrbit;
 use bevy::math::UVec2;
 
 pub(super) fn parse_size(text: &str) -> Result<UVec2, String> {
@@ -57,8 +58,11 @@ pub(super) fn parse_distance(text: &str) -> Result<f32, String> {
     text_mm
         .parse::<f32>()
         .ok()
-        .filter(|value| (35.0..=400.0).contains(value))
-        .ok_or_else(|| format!("{text:?} is not a distance of 35 to 400 mm"))
+        .filter(|value| EyeOrbit::DISTANCES_MM.contains(value))
+        .ok_or_else(|| {
+            let (from, to) = (EyeOrbit::DISTANCES_MM.start(), EyeOrbit::DISTANCES_MM.end());
+            format!("{text:?} is not a distance of {from} to {to} mm")
+        })
 }
 
 pub(super) fn parse_orbit(text: &str) -> Result<[f32; 2], String> {

@@ -188,3 +188,45 @@ fn jaundice_yellows_and_a_pinguecula_is_raised_and_yellow() {
     };
     assert!(height(&raised, -39.0, -1.5) > height(&usual, -39.0, -1.5) + 0.05);
 }
+
+/// What the shader holds of slopes that a pixel does not see (`unseen_slopes`) is what the levels of this map have lost of them, about
+/// the fissure.
+#[test]
+fn the_slopes_of_the_wet_white_are_those_that_its_shine_is_told_of() {
+    use crate::appearance::shading::sclera_shade::{SCLERA_HALF_ANGLE, unseen_slopes};
+    for seed in 0..3 {
+        let map = grow(seed, &ScleraMapSettings::default(), 2048);
+        let texel = 2.0 * SCLERA_HALF_ANGLE * 11.5 / 2048.0;
+        let variance = |level: usize| {
+            let (side, _, texels) = &map.vessel_levels()[level];
+            let side = *side as usize;
+            let run = texel * f64::from(1_u32 << level);
+            let (mut sum, mut count) = (0.0, 0.0);
+            for row in 1..side - 1 {
+                for column in 1..side - 1 {
+                    let [x, y] = place_of(column, row, side);
+                    if x.abs() < 75.0 && y.abs() < 35.0 && x.hypot(y) > LIMBUS_DEG + 4.0 {
+                        let here = texels[row * side + column][2];
+                        let right = f64::from(texels[row * side + column + 1][2] - here) / run;
+                        let below = f64::from(texels[(row + 1) * side + column][2] - here) / run;
+                        sum += 0.5 * (right * right + below * below);
+                        count += 1.0;
+                    }
+                }
+            }
+            sum / count
+        };
+        let all = variance(0);
+        let everything = unseen_slopes(1e6);
+        assert!(
+            (all / everything - 1.0).abs() < 0.1,
+            "{seed}: {all} {everything}"
+        );
+        // Half of the slopes less far away or twice as far would be off by 0.2.
+        for level in 1..6 {
+            let told = unseen_slopes(texel * f64::from(1_u32 << level)) / everything;
+            let lost = 1.0 - variance(level) / all;
+            assert!((told - lost).abs() < 0.06, "{seed}, {level}: {told} {lost}");
+        }
+    }
+}

@@ -11,6 +11,8 @@ use crate::tissue::noise::{HashStream, value_noise};
 
 /// Length of one step of growth, degrees (0.06 mm of an 11.5 mm globe).
 const STEP_DEG: f32 = 0.3;
+/// How far a vessel has come from a fork, degrees, when it is turned from its way by a third of what it was there.
+const FORK_STRAIGHTENS_DEG: f32 = 9.0;
 /// Degrees per millimetre on the globe.
 const DEG_PER_MM: f32 = 180.0 / PI / 11.5;
 
@@ -26,7 +28,9 @@ pub(super) struct Blood {
 #[derive(Clone, Copy)]
 struct Tip {
     at: Place,
-    heading: f32,
+    /// How far it was turned from its way at its fork, rad, and how far it has come since, degrees.
+    turned: f32,
+    since: f32,
     radius_mm: f32,
     left_deg: f32,
     seed: u32,
@@ -35,15 +39,13 @@ struct Tip {
 
 /// How the vessels of one plexus grow.
 struct Habit {
-    /// Turning, radians per degree of length: slow swings and tight wriggles.
+    /// How far it turns from its way to the limbus, rad: in slow swings and in tight wriggles.
     swing: f32,
     wriggle: f32,
     /// Chance of a branch per degree of length.
     branching: f32,
     /// Angle from the corneal axis at which they end, degrees.
     stop_deg: f32,
-    /// Pull towards the limbus, per degree of length.
-    aim: f32,
     /// Width of the blur, degrees; below one texel it is antialiasing only.
     blur_deg: f32,
     deep: bool,
@@ -61,14 +63,13 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
     let redness = settings.redness;
     deep_vessels(&mut blood, seed, redness);
     // Injected vessels are wider, and more of them are open.
-    let fullness = 0.9 + 0.6 * redness;
-    let count = (72.0 + 90.0 * redness) as u32;
+    let fullness = 0.9 + 0.9 * redness;
+    let count = (60.0 + 200.0 * redness) as u32;
     let habit = Habit {
-        swing: 0.09,
-        wriggle: 0.40,
-        branching: 0.045,
+        swing: 0.75,
+        wriggle: 0.85,
+        branching: 0.05,
         stop_deg: LIMBUS_DEG + 2.0,
-        aim: 0.035,
         blur_deg: 0.03,
         deep: false,
         gain: 1.0,
@@ -94,11 +95,10 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
 fn deep_vessels(blood: &mut Blood, seed: u32, redness: f32) {
     let mut dice = HashStream::new(seed, 42);
     let mut habit = Habit {
-        swing: 0.07,
-        wriggle: 0.10,
+        swing: 0.5,
+        wriggle: 0.3,
         branching: 0.020,
         stop_deg: LIMBUS_DEG + 15.0,
-        aim: 0.05,
         blur_deg: 0.7,
         deep: true,
         gain: 0.8 + 0.6 * redness,
@@ -135,11 +135,10 @@ fn limbal_loops(blood: &mut Blood, seed: u32, fullness: f32) {
         }
         let outer = LIMBUS_DEG + dice.range(2.0, 5.5);
         let habit = Habit {
-            swing: 0.10,
-            wriggle: 0.5,
+            swing: 0.6,
+            wriggle: 0.8,
             branching: 0.10,
             stop_deg: LIMBUS_DEG - dice.range(0.0, 1.2),
-            aim: 0.25,
             blur_deg: 0.03,
             deep: false,
             gain: fullness,
@@ -153,7 +152,8 @@ fn limbal_loops(blood: &mut Blood, seed: u32, fullness: f32) {
 fn tip_at(dice: &mut HashStream, angle: f32, from_deg: f32, radius_mm: f32, length: f32) -> Tip {
     Tip {
         at: [from_deg * angle.cos(), from_deg * angle.sin()],
-        heading: angle + PI + 0.5 * dice.normal(),
+        turned: 0.45 * dice.normal(),
+        since: 0.0,
         radius_mm,
         left_deg: length * dice.range(0.5, 1.2),
         seed: dice.next_u32(),
@@ -183,17 +183,17 @@ fn grow_branch(
             break;
         }
         let inward = (-tip.at[1]).atan2(-tip.at[0]);
-        let off = (inward - tip.heading + PI).rem_euclid(TAU) - PI;
         let restless =
-            0.4 + 1.2 * smoothstep(-0.5, 0.6, value_noise(along * 0.08, 0, tip.seed ^ 3));
-        let turn = habit.aim * off
-            + habit.swing * value_noise(along * 0.16, 0, tip.seed)
-            + restless * habit.wriggle * value_noise(along * 0.62, 0, tip.seed ^ 1)
-            + restless * 0.75 * habit.wriggle * value_noise(along * 1.7, 0, tip.seed ^ 2);
-        tip.heading += turn * STEP_DEG;
+            0.35 + 0.65 * smoothstep(-0.5, 0.6, value_noise(along * 0.08, 0, tip.seed ^ 3));
+        // However it winds it goes to the limbus: no vessel turns back.
+        let heading = inward
+            + tip.turned * (-tip.since / FORK_STRAIGHTENS_DEG).exp()
+            + habit.swing * value_noise(along * 0.11, 0, tip.seed)
+            + restless * habit.wriggle * value_noise(along * 0.42, 0, tip.seed ^ 1)
+            + restless * 0.6 * habit.wriggle * value_noise(along * 1.1, 0, tip.seed ^ 2);
         let next = [
-            tip.at[0] + STEP_DEG * tip.heading.cos(),
-            tip.at[1] + STEP_DEG * tip.heading.sin(),
+            tip.at[0] + STEP_DEG * heading.cos(),
+            tip.at[1] + STEP_DEG * heading.sin(),
         ];
         // Vessels fade in from the depth at their source and out at their tip.
         let ends = smoothstep(0.0, 5.0, along).max(tip.generation.min(1) as f32)
@@ -205,6 +205,7 @@ fn grow_branch(
         tip.at = next;
         tip.left_deg -= STEP_DEG;
         along += STEP_DEG;
+        tip.since += STEP_DEG;
         if tip.generation < 4 && dice.unit() < habit.branching * STEP_DEG {
             waiting.push(fork(&mut tip, dice));
         }
@@ -215,9 +216,12 @@ fn grow_branch(
 fn fork(tip: &mut Tip, dice: &mut HashStream) -> Tip {
     let share = dice.range(0.15, 0.5);
     let side = if dice.unit() < 0.5 { -1.0 } else { 1.0 };
-    let bend = side * dice.range(0.35, 1.0);
+    let bend = side * dice.range(0.4, 1.1);
+    let straightened = (-tip.since / FORK_STRAIGHTENS_DEG).exp();
+    tip.turned *= straightened;
+    tip.since = 0.0;
     let daughter = Tip {
-        heading: tip.heading + bend,
+        turned: tip.turned + bend,
         radius_mm: tip.radius_mm * share.cbrt(),
         left_deg: tip.left_deg * dice.range(0.3, 0.9),
         seed: dice.next_u32(),
@@ -225,7 +229,7 @@ fn fork(tip: &mut Tip, dice: &mut HashStream) -> Tip {
         ..*tip
     };
     tip.radius_mm *= (1.0 - share).cbrt();
-    tip.heading -= 0.3 * bend;
+    tip.turned -= 0.3 * bend;
     daughter
 }
 

@@ -1,16 +1,19 @@
 //! What the lids leave of the light on the globe. Twin: `shaders/lib/lid_shade.wgsl`.
 
 use super::knots::{Knot, knot_at};
+use super::lash_comb::{LASH_DARK, LASH_SHARE, lash_rise, lashes_left};
 use super::mix;
 use crate::appearance::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins, LidSpan};
 use crate::optics::smoothstep::smoothstep;
+use bevy::math::Vec4;
+use core::f64::consts::{FRAC_1_PI, FRAC_2_PI};
 use glam::DVec3;
 
-/// Shares of the light that the lids leave, and the distance to their margins.
+/// Where a place of the globe lies between the lids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LidShade {
-    /// Share of the sky.
-    pub sky: f64,
+    /// To the patient's right, mm.
+    pub aside: f64,
     /// Share of any lamp that the lower lid's edge leaves.
     pub contact: f64,
     /// Height of the upper margin over the place, mm.
@@ -31,40 +34,116 @@ pub fn lids_at(lids: &LidMargins, p: DVec3) -> LidShade {
     lid_shade(&lids.spans[at.below], at.part, p)
 }
 
-/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins: the upper
-/// lid and its lashes overhang, so that
-/// a soft band lies below its margin; the lower lid only touches.
+/// The shade at a point `p` (head frame) of the globe, whose x lies at this `part` of this span of the margins.
 pub fn lid_shade(span: &LidSpan, part: f64, p: DVec3) -> LidShade {
     let between = |here: f32, next: f32| mix(here.into(), next.into(), part);
-    let upper = between(span.upper, span.upper_next) - p.y;
     let lower = p.y - between(span.lower, span.lower_next);
-    let (u, l) = (upper.max(0.0), lower.max(0.0));
     LidShade {
-        sky: (1.0 - 0.55 * (-u / 1.3).exp()) * (1.0 - 0.5 * (-l / 0.8).exp()),
-        contact: 1.0 - 0.4 * (-l / 0.5).exp(),
-        upper_gap: upper,
+        aside: p.x,
+        contact: 1.0 - 0.4 * (-lower.max(0.0) / 0.5).exp(),
+        upper_gap: between(span.upper, span.upper_next) - p.y,
         lower_gap: lower,
     }
 }
 
-/// How far (mm) the edge of the upper lid that casts its shadow stands before the globe: a margin of 2 mm, rounded (a choice within it).
+/// How far (mm) the edges of the lids that cast their shadows stand before the globe: a margin of 2 mm, rounded (a choice within it).
 pub const LID_EDGE_MM: f64 = 1.3;
-/// How far (mm) that edge stands over the one that touches the globe: a margin looks down and forward, and from the front half a
+/// How far (mm) an edge stands beyond the one that touches the globe: a margin looks to the other and forward, and from the front half a
 /// millimetre of it is seen (a choice).
 pub const LID_EDGE_UP_MM: f64 = 0.5;
 /// How soft (mm) the shadow's edge is (a choice).
 const LID_EDGE_SOFT_MM: f64 = 1.2;
 
 /// How much of a lamp of angular radius `radius` (rad) in the unit direction `light` (head frame) the lids leave where
-/// that is their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands.
+/// that is their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands, and its lashes throw theirs below it,
+/// which the lamp's width (a disc's spread is half of its radius) and the tissue blur.
 pub fn lid_lamp(shade: &LidShade, light: DVec3, radius: f64) -> f64 {
     let rise = (light.y / (-light.z).max(0.2)).clamp(-2.0, 3.0);
     let below = shade.upper_gap - (LID_EDGE_MM * rise - LID_EDGE_UP_MM).max(0.0);
     let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * radius.min(1.0);
-    smoothstep(-soft, soft, below) * shade.contact
+    let lashes = lashes_left(
+        shade.aside,
+        light,
+        shade.upper_gap,
+        LASH_SHADOW_MM,
+        0.35 * radius,
+    );
+    smoothstep(-soft, soft, below) * shade.contact * lashes
 }
 
-/// What lids send on of the light that they keep from the iris, against what would have come there: their edges and the lashes see half of the
+/// How far (mm) light goes aside in the tissue on which a lash's shadow falls: the spread of a vessel's (`SHADOW_MM` of the white).
+const LASH_SHADOW_MM: f64 = 0.06;
+
+/// The sine, against a normal that rises by `tilt` (sine), at which an edge is seen that stands `up` mm higher and `before` mm in
+/// front; one behind the horizon is at it.
+fn edge_sine(up: f64, before: f64, tilt: f64) -> f64 {
+    let upright = (1.0 - tilt * tilt).max(0.0).sqrt();
+    if before * upright + up * tilt > 0.0 {
+        let far = (up * up + before * before).max(1e-6).sqrt();
+        ((up * upright - before * tilt) / far).clamp(-1.0, 1.0)
+    } else {
+        up.signum()
+    }
+}
+
+/// Twice the integral of the square of the cosine from 0 to where the sine is `s`, over π, within 6e-4.
+fn square_cosines(s: f64) -> f64 {
+    let s2 = s * s;
+    FRAC_2_PI * s * (1.0 + s2 * (-0.189 + s2 * (0.056 - 0.0816 * s2)))
+}
+
+/// Irradiance / π of the surroundings between the normal's plane and where the sine is `s`, of radiance that does not depend on the direction, that
+/// goes with its part along the normal and up across it, and with the products of those: along twice, up twice, both.
+fn sky_to(s: f64, [even, along, up]: [DVec3; 3], [along2, up2, both]: [DVec3; 3]) -> DVec3 {
+    let s2 = s * s;
+    let c2 = (1.0 - s2).max(0.0);
+    0.5 * s * even
+        + square_cosines(s) * along
+        + FRAC_1_PI * s2 * up
+        + s * (1.0 - 0.5 * s2) * along2
+        + (0.5 * s * (s2 - 1.0)) * up2
+        - c2 * c2.sqrt() * both
+}
+
+/// Irradiance / π that comes from the surroundings (factors of [`super::surroundings::ambient_basis`]) past the lids and lashes to a place of the
+/// globe of normal `n` (head frame), whose shade this is, and what the lids send on of the rest. The lids' edges count as straight and level;
+/// past such edges the integral is exact for radiance of the second degree and less, of which these factors are.
+pub fn lid_sky(ambient: &[Vec4; 9], shade: &LidShade, n: DVec3) -> DVec3 {
+    let upper = edge_sine(shade.upper_gap + LID_EDGE_UP_MM, LID_EDGE_MM, n.y);
+    let lower = edge_sine(-shade.lower_gap - LID_EDGE_UP_MM, LID_EDGE_MM, n.y).min(upper);
+    // What lies between them and the upper edge comes past the lashes.
+    let lashes = edge_sine(lash_rise(shade.upper_gap), 1.0, n.y).clamp(lower, upper);
+    let passed = 1.0 - LASH_DARK * LASH_SHARE;
+    let open = 0.5 * (mix(lashes, upper, passed) - lower);
+    // Along the normal, and up across it.
+    let t = (DVec3::Y - n.y * n) / (1.0 - n.y * n.y).max(1e-4).sqrt();
+    let factors = ambient.map(|factor| factor.truncate().as_dvec3());
+    let first = [factors[0], rising(&factors, n), rising(&factors, t)];
+    let second = [
+        crossing(&factors, n, n),
+        crossing(&factors, t, t),
+        crossing(&factors, n, t),
+    ];
+    let to = |s: f64| sky_to(s, first, second);
+    let sky = to(lashes).lerp(to(upper), passed) - to(lower);
+    sky.max(DVec3::ZERO) + LIDS_SEND * (1.0 - open) * factors[0]
+}
+
+/// The part of the first degree along `d`.
+fn rising(factors: &[DVec3; 9], d: DVec3) -> DVec3 {
+    factors[1] * d.y + factors[2] * d.z + factors[3] * d.x
+}
+
+/// The part of the second degree along `a` and `b`.
+fn crossing(factors: &[DVec3; 9], a: DVec3, b: DVec3) -> DVec3 {
+    factors[4] * (0.5 * (a.x * b.y + a.y * b.x))
+        + factors[5] * (0.5 * (a.y * b.z + a.z * b.y))
+        + factors[6] * (3.0 * a.z * b.z - a.dot(b))
+        + factors[7] * (0.5 * (a.x * b.z + a.z * b.x))
+        + factors[8] * (a.x * b.x - a.y * b.y)
+}
+
+/// What lids send on of the light that they keep from the eye, against what would have come there: their edges and the lashes see half of the
 /// sky, and skin sends back about half of that.
 const LIDS_SEND: f64 = 0.25;
 
@@ -83,6 +162,8 @@ pub fn lid_sky_within(shade: &LidShade, depth: f64, index: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::surroundings::Surroundings;
+    use core::f64::consts::PI;
 
     #[test]
     fn an_edge_hides_as_much_of_the_sky_from_the_iris_as_by_all_directions() {
@@ -102,7 +183,7 @@ mod tests {
                 }
             }
             let shade = LidShade {
-                sky: 1.0,
+                aside: 0.0,
                 contact: 1.0,
                 upper_gap: gap,
                 lower_gap: 1e6,
@@ -113,20 +194,86 @@ mod tests {
         }
     }
 
+    /// Light from all directions of a sky that is three times as bright above as at the horizon, and of a ground, past two straight edges and
+    /// the lashes' sheet, added up direction by direction.
+    #[test]
+    fn the_sky_that_lids_leave_is_that_of_all_directions_between_them() {
+        let overcast = |d: DVec3| if d.y > 0.0 { 1.0 + 2.0 * d.y } else { 0.4 } / 3.0;
+        // Of the second degree.
+        let soft = |d: DVec3| {
+            0.4 + 0.3 * d.y - 0.1 * d.z + 0.2 * d.y * d.y + 0.1 * d.y * d.z + 0.1 * d.x * d.x
+        };
+        let radiance = |d: DVec3| DVec3::new(soft(d), overcast(d), 0.0);
+        let around = Surroundings::new(256, radiance, |_| DVec3::ZERO, Vec::new());
+        let ambient = around.ambient.map(|c| c.extend(0.0));
+        let passed = 1.0 - LASH_DARK * LASH_SHARE;
+        let mut worst = DVec3::ZERO;
+        for (rise_deg, gaps) in [
+            (0.0_f64, [4.0, 6.0]),
+            (15.0, [0.5, 9.0]),
+            (20.0, [0.0, 10.0]),
+            (15.0, [2.0, 8.0]),
+            (-15.0, [8.0, 2.0]),
+            (-20.0, [9.0, 0.3]),
+            (10.0, [-1.5, 9.0]),
+        ] {
+            let (sin, cos) = rise_deg.to_radians().sin_cos();
+            let n = DVec3::new(0.0, sin, -cos);
+            let shade = LidShade {
+                aside: 0.0,
+                contact: 1.0,
+                upper_gap: gaps[0],
+                lower_gap: gaps[1],
+            };
+            let (mut sky, mut left, mut all) = (DVec3::ZERO, 0.0, 0.0);
+            let count = 400;
+            for i in 0..count {
+                for j in 0..2 * count {
+                    let z = (f64::from(i) + 0.5) / f64::from(count) * 2.0 - 1.0;
+                    let (s, c) = (f64::from(j) / f64::from(count) * PI).sin_cos();
+                    let d = DVec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z);
+                    let cosine = d.dot(n).max(0.0);
+                    let edge = |up: f64| d.y * LID_EDGE_MM - (-d.z) * (up + LID_EDGE_UP_MM);
+                    let below = edge(gaps[0]) < 0.0 || (-d.z < 0.0 && d.y < 0.0);
+                    let above = d.y * LID_EDGE_MM + (-d.z) * (gaps[1] + LID_EDGE_UP_MM) > 0.0;
+                    let lashes = if d.y > -d.z * lash_rise(gaps[0]) {
+                        passed
+                    } else {
+                        1.0
+                    };
+                    let open = if below && above { lashes } else { 0.0 };
+                    all += cosine;
+                    sky += cosine * open * radiance(d);
+                    left += cosine * open;
+                }
+            }
+            let (sky, open) = (sky / all, left / all);
+            let even = ambient[0].truncate().as_dvec3();
+            let exact = sky + LIDS_SEND * (1.0 - open) * even;
+            let ours = lid_sky(&ambient, &shade, n);
+            worst = worst.max((ours - exact).abs());
+        }
+        // The first is the sum's own error; the second that of nine factors of a sky with a horizon.
+        assert!(worst.x < 5e-4 && worst.y < 0.012, "{worst}");
+    }
+
     /// Half of a lamp is left where the ray to its middle just passes an edge that stands before the margin.
     #[test]
     fn the_lids_shadow_falls_where_its_edge_stands_before_the_lamp() {
         for elevation_deg in [-30.0_f64, 0.0, 25.0, 55.0] {
             let (sin, cos) = elevation_deg.to_radians().sin_cos();
             let light = DVec3::new(0.0, sin, -cos);
+            let lashes = |shade: &LidShade, light: DVec3| {
+                lashes_left(0.0, light, shade.upper_gap, LASH_SHADOW_MM, 0.035)
+            };
             let half = (0..4000).map(|i| f64::from(i) * 0.002 - 3.0).find(|gap| {
                 let shade = LidShade {
-                    sky: 1.0,
+                    aside: 0.0,
                     contact: 1.0,
                     upper_gap: *gap,
                     lower_gap: 9.0,
                 };
-                lid_lamp(&shade, light, 0.1) >= 0.5
+                lid_lamp(&shade, light, 0.1) / lashes(&shade, light) >= 0.5
             });
             // From there up to the edge, as the lamp's ray goes; or where the lid touches.
             let edge = LID_EDGE_MM * elevation_deg.to_radians().tan() - LID_EDGE_UP_MM;

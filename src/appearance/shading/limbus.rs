@@ -3,7 +3,7 @@
 use super::knots::{Knot, knot_at};
 use crate::optics::smoothstep::smoothstep;
 use crate::tissue::sclera::LAMELLAE;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
 pub fn limbus_share(r: f64, limbus_radius: f64) -> f64 {
@@ -38,27 +38,45 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
     limbus_radius + (r - limbus_radius) * (0.9 / width.max(1e-3))
 }
 
-/// Width of the transition where a place lies in this direction (`sine` of the angle to the horizontal), against
-/// 0.9 mm: above and below the sclera goes further over the cornea, whose vertical diameter looks a millimetre less.
-pub fn limbus_width(sine: f64) -> f64 {
+/// How much narrower the transition is where it is narrowest (a choice: in photographs it changes along the limbus by a third
+/// over one to three millimetres).
+const LIMBUS_UNEVEN: f64 = 0.4;
+
+/// Width of the transition at a place (mm from the axis), against 0.9 mm: above and below the sclera goes further over the cornea,
+/// whose vertical diameter looks a millimetre less, and here and there less far; `own` (rad) makes it that of this eye.
+pub fn limbus_width(at: DVec2, own: f64) -> f64 {
+    let sine = at.y / at.length().max(1e-3);
+    let waves = (1.7 * at.x + own).sin()
+        + (2.3 * at.y - 1.3 * own).sin()
+        + (5.3 * at.x + 3.1 * at.y + 2.0 * own).sin();
+    widest(sine) * (1.0 - LIMBUS_UNEVEN * (0.5 + waves / 6.0))
+}
+
+/// The most that it can be in this direction (`sine` of the angle to the horizontal).
+fn widest(sine: f64) -> f64 {
     0.87 + 0.48 * sine * sine
 }
 
 /// Radius (mm) within which the cornea alone is seen, in every direction.
 pub fn clear_cornea_mm(limbus_radius: f64) -> f64 {
-    limbus_radius - 0.63 * limbus_width(1.0)
+    limbus_radius - 0.63 * widest(1.0)
 }
 
 /// What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do (a choice: it is
 /// nearly white there, and the limbus' own rim before it is clear).
 pub const ARCUS_DENSEST: f64 = 0.3;
 
+/// Width of the clear rim about it, mm, within the limbus' own edge, which reaches 0.3 to 0.6 mm in (the lucid interval of Vogt; a choice of
+/// its width).
+const ARCUS_CLEAR_MM: f64 = 0.45;
+
 /// Density of the lipid of an arcus at a place of the cornea, `r` mm from the axis: a ring with a clear rim outside it,
 /// which comes first above and below; `lipid` 0 to 1.
 pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
     let inside = limbus_radius - r;
-    let wide = 0.7 + 1.3 * lipid;
-    let ring = smoothstep(-0.05, 0.4, inside) * smoothstep(wide + 0.7, 0.35 * wide, inside);
+    let wide = 0.6 + 1.1 * lipid;
+    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside)
+        * smoothstep(wide + 1.0, ARCUS_CLEAR_MM + 0.35 * wide, inside);
     let first = smoothstep(0.0, 0.5, lipid);
     let last = 0.65 * smoothstep(0.15, 0.85, lipid);
     ring * (last + (first - last) * sine * sine)
@@ -74,27 +92,53 @@ mod tests {
     fn no_white_is_seen_within_the_clear_cornea() {
         for limbus_mm in [5.0, 5.85, 6.5] {
             let clear = clear_cornea_mm(limbus_mm);
-            let share = |r: f64, sine: f64| {
-                limbus_share(
-                    limbus_place(r, limbus_mm, 0.9 * limbus_width(sine)),
-                    limbus_mm,
-                )
+            let share = |r: f64, turn: f64, own: f64| {
+                let width = limbus_width(DVec2::from_angle(turn) * r, own);
+                limbus_share(limbus_place(r, limbus_mm, 0.9 * width), limbus_mm)
             };
-            for sine in [-1.0, -0.6, 0.0, 0.3, 1.0] {
-                // Up to a rounding of the border itself.
-                assert_eq!(share(clear - 1e-9, sine), 1.0, "{limbus_mm} mm, {sine}");
+            let mut least: f64 = 1.0;
+            for k in 0..360 {
+                let turn = f64::from(k).to_radians();
+                for own in [0.0, 1.0, 2.5, 4.4] {
+                    // Up to a rounding of the border itself.
+                    assert_eq!(share(clear - 1e-9, turn, own), 1.0, "{limbus_mm} mm, {k}°");
+                    least = least.min(share(clear + 0.12, turn, own));
+                }
             }
-            assert!(share(clear + 0.05, 1.0) < 1.0 && share(clear + 0.05, 0.0) == 1.0);
+            assert!(least < 1.0);
         }
+    }
+
+    #[test]
+    fn the_limbus_is_wider_above_and_uneven_as_its_eye_has_it() {
+        let widths = |own: f64, from: f64| -> Vec<f64> {
+            let turns = (0..40).map(|k| (from + f64::from(k) - 20.0).to_radians());
+            turns
+                .map(|turn| limbus_width(5.85 * DVec2::from_angle(turn), own))
+                .collect()
+        };
+        let mean = |from: f64| {
+            let all: Vec<f64> = (0..60)
+                .flat_map(|own| widths(f64::from(own), from))
+                .collect();
+            all.iter().sum::<f64>() / all.len() as f64
+        };
+        assert!(mean(90.0) > 1.3 * mean(0.0) && mean(270.0) > 1.3 * mean(180.0));
+        let (one, other) = (widths(0.3, 180.0), widths(2.0, 180.0));
+        let spread = |w: &[f64]| {
+            w.iter().fold(0.0_f64, |m, v| m.max(*v)) / w.iter().fold(9.0_f64, |m, v| m.min(*v))
+        };
+        assert!(spread(&one) > 1.1 && spread(&other) > 1.1);
+        assert!(one.iter().zip(&other).any(|(a, b)| (a - b).abs() > 0.1));
     }
 
     #[test]
     fn an_arcus_begins_above_and_below_and_leaves_the_rim_clear() {
         let at = |inside: f64, sine: f64, lipid: f64| arcus_share(5.85 - inside, sine, 5.85, lipid);
         assert_eq!(at(0.7, 1.0, 0.0), 0.0);
-        assert!(at(0.7, 1.0, 0.15) > 0.05 && at(0.7, 0.0, 0.15) == 0.0);
+        assert!(at(0.8, 1.0, 0.15) > 0.05 && at(0.8, 0.0, 0.15) == 0.0);
         // The lucid interval, the ring, the clear middle.
-        assert!(at(-0.06, 1.0, 1.0) == 0.0 && at(0.04, 1.0, 1.0) < 0.2 * at(0.5, 1.0, 1.0));
-        assert!(at(0.6, 0.0, 1.0) > 0.5 && at(0.6, 1.0, 1.0) > 0.8 && at(2.8, 0.0, 1.0) == 0.0);
+        assert!(at(0.44, 1.0, 1.0) == 0.0 && at(0.5, 1.0, 1.0) < 0.2 * at(0.9, 1.0, 1.0));
+        assert!(at(1.0, 0.0, 1.0) > 0.5 && at(1.0, 1.0, 1.0) > 0.8 && at(2.8, 0.0, 1.0) == 0.0);
     }
 }

@@ -10,6 +10,7 @@ pub mod iris_relief;
 pub mod iris_shade;
 pub mod knots;
 pub mod lamp_lobe;
+pub mod lash_comb;
 pub mod lens_shade;
 pub mod lid_shade;
 pub mod limbus;

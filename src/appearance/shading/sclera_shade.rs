@@ -17,8 +17,10 @@ pub const SCLERA_HALF_ANGLE: f64 = 1.7453293;
 pub struct ScleraSurface {
     /// Albedo, linear sRGB.
     pub albedo: DVec3,
-    /// Normal with the map's relief.
+    /// Normal of its wet surface, with the map's relief.
     pub normal: DVec3,
+    /// Normal of the tissue as its diffuse light shows it.
+    pub soft: DVec3,
 }
 
 /// Place in the map of a point of the globe.
@@ -39,6 +41,19 @@ pub const SHADOW_MM: f64 = 0.3;
 /// The normal with the relief of the map, from how much higher (mm) it is a step (mm) to the right and above.
 pub fn sclera_normal(normal: DVec3, right: f64, above: f64, step: f64) -> DVec3 {
     (normal - (DVec2::new(right, above) / step).extend(0.0)).normalize()
+}
+
+/// Share of the relief's slopes that diffuse light shows: it travels further than most of them are wide (a choice).
+const WHITE_SOFT: f64 = 0.3;
+/// Spread of the slopes of the relief of the wet white along an axis, rad, and the width of a pixel that no longer sees half of their
+/// variance, mm: of the map's, a test of which holds them.
+const WHITE_SLOPES: f64 = 0.057;
+const WHITE_SLOPES_MM: f64 = 0.105;
+
+/// Variance of the slopes of the wet white along an axis that a pixel of this footprint (mm) does not see one by one.
+pub fn unseen_slopes(footprint: f64) -> f64 {
+    let wide = footprint / WHITE_SLOPES_MM;
+    WHITE_SLOPES * WHITE_SLOPES * (1.0 - 1.0 / (1.0 + wide * wide))
 }
 
 /// What vessels with columns of blood of `column` mm in the mean leave of white light, linear sRGB: green by Beer's law, red and
@@ -155,18 +170,16 @@ pub fn sclera_surface(
     let step = 1.5 * lod.round_ties_even().exp2() / side;
     let [shallow, _, here, _] = vessels.sample(uv, lod);
     let height = |x: f64, y: f64| vessels.sample(uv + DVec2::new(x, y) * step, lod)[2] - here;
+    let rise = DVec2::new(height(1.0, 0.0), height(0.0, 1.0));
+    let run = step * side * texel;
     let shift = view_shift(normal, v, EPISCLERAL_DEPTH_MM);
     let deep = vessels.sample(sclera_uv(p + shift), lod)[1];
     let shadow = vessels.sample(uv, lod.max((SHADOW_MM / texel).log2()))[0];
     let [r, g, b, _] = colors.sample(uv, (lod - 2.0).max(0.0));
     ScleraSurface {
         albedo: DVec3::new(r, g, b) * vessel_filter(shallow, shadow, deep, above),
-        normal: sclera_normal(
-            normal,
-            height(1.0, 0.0),
-            height(0.0, 1.0),
-            step * side * texel,
-        ),
+        normal: sclera_normal(normal, rise.x, rise.y, run),
+        soft: sclera_normal(normal, WHITE_SOFT * rise.x, WHITE_SOFT * rise.y, run),
     }
 }
 

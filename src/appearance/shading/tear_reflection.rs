@@ -1,48 +1,19 @@
 //! What the tears mirror of the surroundings. Head frame, unit vectors; `n` the normal, `v` towards the
 //! eye that looks. Twin: `shaders/lib/tear_reflection.wgsl`.
 
-use super::mix;
+use super::lash_comb::lashes_left;
 use super::surroundings::past_head;
 use crate::optics::fresnel::fresnel_dielectric;
 use crate::optics::smoothstep::smoothstep;
 use crate::optics::tear_film::tear_film_rgb;
 use glam::{DVec2, DVec3};
 
-/// The lashes that are mirrored are a comb of their own, with the number of those that are drawn and not their places (choices by
-/// the look of macro photographs). How much they rise (1/mm: their height over the margin is this times the square of how far they stand
-/// before it), how far they reach forward (mm), and how dark they are.
-const LASH_CURL: f64 = 0.09;
-const LASH_REACH_MM: f64 = 8.0;
-const LASH_DARK: f64 = 0.8;
-/// Their comb, rad/mm (three to a millimetre of lid), and the share of it that is lash; the radius (mm) of the mirror that
-/// shrinks it, a cornea's.
-const LASH_COMB: f64 = 19.0;
-const LASH_SHARE: f64 = 0.29;
+/// Radius of the mirror that shrinks the lashes, mm: a cornea's.
 const LASH_MIRROR_MM: f64 = 7.8;
 
-/// Share of a ray in the unit direction `r`, from a place `x` mm aside and `upper_gap` mm below the upper lid's margin,
-/// that its lashes let pass: they stand as a comb on a sheet that curls up before the lid, and a pixel of this
-/// `footprint` (mm) that is wider than its teeth sees what they take in the mean.
+/// Share of a mirrored ray that the lashes let pass to a pixel of this `footprint` (mm); arguments as of [`lashes_left`].
 pub fn lashes_pass(x: f64, r: DVec3, upper_gap: f64, footprint: f64) -> f64 {
-    let forward = (-r.z).max(0.2);
-    let rise = r.y / forward;
-    let crosses = rise * rise - 4.0 * LASH_CURL * upper_gap.max(0.0);
-    let reach = (rise - crosses.max(0.0).sqrt()) / (2.0 * LASH_CURL);
-    let aside = x + r.x / forward * reach;
-    let waves = 2.5 * (aside * 2.3).sin() + 1.7 * (aside * 5.1).sin();
-    let comb = (aside * LASH_COMB + waves).sin();
-    // How far apart neighbouring pixels' places on the sheet are.
-    let apart = 1.0 + 2.0 * reach / LASH_MIRROR_MM + r.x.abs() / forward / crosses.max(0.01).sqrt();
-    let turn = LASH_COMB * footprint * apart;
-    let tooth = mix(
-        LASH_SHARE,
-        smoothstep(0.3, 0.95, comb),
-        (-turn * turn).exp(),
-    );
-    let there = smoothstep(0.0, 0.06, crosses)
-        * smoothstep(0.0, 0.3, rise)
-        * (1.0 - smoothstep(0.5 * LASH_REACH_MM, LASH_REACH_MM, reach));
-    1.0 - LASH_DARK * there * tooth
+    lashes_left(x, r, upper_gap, footprint, 2.0 * footprint / LASH_MIRROR_MM)
 }
 
 /// Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place `x` mm aside (head frame) and

@@ -192,7 +192,8 @@ impl IrisPicture {
         }
         trace.point -= trace.direction * (root_mm / trace.direction.z.max(0.05));
         let r = trace.entry.truncate().length();
-        let wide = 0.9 * limbus_width(trace.entry.y / r.max(1e-3));
+        let own = f64::from(self.globe.lens_turn);
+        let wide = 0.9 * limbus_width(trace.entry.truncate(), own);
         let limbus = self.frame.limbus;
         let landing = iris_landing(trace.point.truncate(), trace.direction, &self.frame);
         let start = iris_place(landing, &self.frame);
