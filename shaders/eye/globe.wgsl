@@ -90,6 +90,8 @@ struct Globe {
     pupil_magnification: f32,
     // Vergence for which the eye is in focus now (1/mm), a power vector.
     focus: vec3<f32>,
+    // Albedo of the lids' skin.
+    lids_color: vec3<f32>,
     // What the fundus sends back, through the media.
     fundus: vec3<f32>,
     arcus: f32,
@@ -137,6 +139,24 @@ var<private> pupil_radius_mm: f32;
 
 fn head_from_eye() -> mat3x3f {
     return mat3x3f(globe.head_from_eye[0].xyz, globe.head_from_eye[1].xyz, globe.head_from_eye[2].xyz);
+}
+
+// Radiance of the lids' skin.
+fn lids_radiance() -> vec3f {
+    return globe.lids_color * lids_lit();
+}
+
+// The surroundings' factors by degree.
+fn sky_factors() -> SkyFactors {
+    let second = array<vec3f, 5>(illumination.ambient[4].rgb, illumination.ambient[5].rgb, illumination.ambient[6].rgb, illumination.ambient[7].rgb, illumination.ambient[8].rgb);
+    let xy = 0.5 * second[0];
+    let yz = 0.5 * second[1];
+    let xz = 0.5 * second[3];
+    let linear = mat3x3f(illumination.ambient[3].rgb, illumination.ambient[1].rgb, illumination.ambient[2].rgb);
+    let xs = mat3x3f(second[4] - second[2], xy, xz);
+    let ys = mat3x3f(xy, -second[4] - second[2], yz);
+    let zs = mat3x3f(xz, yz, 2.0 * second[2]);
+    return SkyFactors(illumination.ambient[0].rgb, linear, xs, ys, zs);
 }
 
 // The lids' shade at a point p of the head frame.
@@ -225,7 +245,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm + root_mm);
     if trace.valid < 0.5 {
         // What enters so far aside stays in the rim, where the sclera's lamellae begin.
-        return lamellae_reflected(1.0) * lid_sky(illumination.ambient, shade, -head_from_eye()[2]);
+        return lamellae_reflected(1.0) * lid_sky(sky_factors(), shade, -head_from_eye()[2], lids_radiance());
     }
     trace.point -= trace.direction * (root_mm / max(trace.direction.z, 0.05));
 #ifdef ARTISTIC
@@ -248,7 +268,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let depth = globe.iris_depth_mm + surface.base;
     let before = lids_at(head_from_eye() * (vec3f(surface.at, depth) + apex));
-    let around = ambient(-head_from_eye()[2]) * lid_sky_within(before, depth, globe.aqueous_index);
+    let around = mix(LIDS_SEND * lids_radiance(), ambient(-head_from_eye()[2]), lid_sky_within(before, depth, globe.aqueous_index));
     let sky = sky_at(length(surface.at));
     var falls = around * sky;
     var lit = vec3f(0.0);
@@ -317,8 +337,6 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
 
 // Roughness of the wet white.
 const WHITE_ROUGHNESS: f32 = 0.2;
-// How far (rad) a surface as rough as that spreads what it mirrors.
-const WHITE_BLUR: f32 = 0.1;
 
 @fragment
 fn fragment(in: Surface) -> @location(0) vec4<f32> {
@@ -359,7 +377,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let wide = limbus_width(hit.xy, globe.lens_turn);
 #ifdef ARTISTIC
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_color_mm), globe.limbus_mm);
-        let shaped = limbus_share(limbus_place(r, globe.limbus_mm, globe.look.limbus_shading_mm), globe.limbus_mm);
+        let shaped = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_shading_mm), globe.limbus_mm);
 #else
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * 0.9), globe.limbus_mm);
         let shaped = corneal;
@@ -378,11 +396,6 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let white_roughness = WHITE_ROUGHNESS;
 #endif
     let footprint = footprint_at(distance(p, camera));
-#ifdef ARTISTIC
-    let unseen = unseen_slopes(footprint / globe.look.white_relief_size) * globe.look.white_relief * globe.look.white_relief;
-#else
-    let unseen = unseen_slopes(footprint);
-#endif
 #ifdef CONJUNCTIVA
     // Where it is thick its own lumps, each of which is smooth, break what its wet surface mirrors; where it has none it is rough.
     let lumpy = lumps_at(vessel_map, sclera_sampler, p_head, footprint, globe.sclera_radius_mm);
@@ -394,13 +407,15 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     var diffuse = vec3f(0.0);
     var specular = vec3f(0.0);
     var wet_normal = normal;
+    var white_blur = 0.0;
 #ifdef WHITE
     if corneal < 1.0 {
         var sclera = sclera_surface(sclera_map, vessel_map, sclera_sampler, p, normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
 #ifdef ARTISTIC
-        let aside = sclera_surface(sclera_map, vessel_map, sclera_sampler, relief_place(p, globe.look.white_relief_size), normal, -direction, footprint, globe.sclera_radius_mm, globe.above_vessels);
+        let aside = sclera_surface(sclera_map, vessel_map, sclera_sampler, relief_place(p, globe.look.white_relief_size), normal, -direction, footprint / globe.look.white_relief_size, globe.sclera_radius_mm, globe.above_vessels);
         sclera.normal = normalize(normal + (aside.normal - normal) * globe.look.white_relief);
         sclera.soft = normalize(normal + (aside.soft - normal) * globe.look.white_relief);
+        sclera.unseen = aside.unseen * globe.look.white_relief * globe.look.white_relief;
         sclera.albedo *= globe.look.white_brightness;
 #endif
         wet_normal = normalize(mix(sclera.normal, normal, corneal));
@@ -413,8 +428,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #endif
         let n_white = head_from_eye() * sclera.soft;
         let n_wet = head_from_eye() * wet_normal;
-        let roughness = white_roughness * (1.0 + uneven);
-        var light = lid_sky(illumination.ambient, shade, n_white);
+        let roughness = white_rough(white_roughness * (1.0 + uneven), sclera.unseen);
+        white_blur = mirror_spread(roughness);
+        var light = lid_sky(sky_factors(), shade, n_white, lids_radiance());
 #ifdef CONJUNCTIVA
         // Towards the corner it rises to the margins, and less hangs over it.
         light = mix(light, ambient(n_white) * in.tissue.a, 0.7 * in.tissue.b);
@@ -426,10 +442,10 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             left = mix(left, in.tissue.a, 0.7 * in.tissue.b);
 #endif
             light += lamp.color * left * sclera_lamp(dot(n_white, lamp.direction));
-            let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius + sqrt(2.0 * unseen));
+            let alpha = lamp_alpha(roughness, 0.0625 * lamp.radius);
             specular += lamp.color * (lamp_lobe(n_wet, v_head, lamp.direction, alpha, 1.336, 1e-3) * left * (1.0 - corneal));
         }
-        diffuse = sclera.albedo * light * sclera_lid_bounce(shade);
+        diffuse = sclera.albedo * light;
     }
 #endif
 #ifdef CORNEA
@@ -447,12 +463,13 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef ARCUS
         // Lipid in the rim of the stroma, lit as the white is.
         let n_cornea = head_from_eye() * normal;
-        var light = lid_sky(illumination.ambient, shade, n_cornea);
+        var light = lid_sky(sky_factors(), shade, n_cornea, lids_radiance());
         for (var i = 0; i < LAMPS; i++) {
             let lamp = lamp_at(i, p_head);
             light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
         }
-        let lipid = ARCUS_DENSEST * arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus);
+        let rim = limbus_width(hit.xy, globe.lens_turn);
+        let lipid = ARCUS_DENSEST * arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus, rim);
         through = through * lamellae_through(lipid) + lamellae_reflected(lipid) * light;
 #endif
 #ifdef WHITE
@@ -465,9 +482,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 
     let tears = tear_layer(p_head.xy, tear_age(in.tag), globe.lipid_nm, globe.tear_breakup_s, globe.lens_turn);
     let n_head = normalize(head_from_eye() * wet_normal + vec3f(tears.tilt, 0.0));
-    let broken = WHITE_BLUR * (1.0 + uneven) * (white_roughness / WHITE_ROUGHNESS) + 2.0 * sqrt(unseen);
 #ifdef ARTISTIC
-    let blur = mix(broken, globe.look.cornea_roughness, corneal);
+    let blur = mix(white_blur, globe.look.cornea_roughness, corneal);
     specular *= globe.look.white_specularity;
     let strength = mix(globe.look.white_specularity, globe.look.cornea_specularity, corneal);
     // By the normal as the camera has it: what is before a camera that looks at the face from the front.
@@ -476,10 +492,10 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let turned = vec3f(dot(n_head, beside), dot(n_head, cross(beside, along)), -dot(n_head, along));
     specular += 0.25 * globe.look.matcap * mirrored(p_head, reflect(vec3f(0.0, 0.0, 1.0), turned), 0.05);
 #else
-    let blur = mix(broken, 0.012, corneal);
+    let blur = mix(white_blur, 0.012, corneal);
     let strength = 1.0;
 #endif
     let around = mirrored(p_head, reflect(-v_head, n_head), blur + BROKEN_BLUR * tears.broken);
-    specular += strength * tear_reflection(around, ambient(vec3f(0.0, -0.4, -0.9)), n_head, v_head, tears.lipid_nm, p_head.x, shade.upper_gap, footprint);
+    specular += strength * tear_reflection(around, lids_radiance(), n_head, v_head, tears.lipid_nm, shade, footprint);
     return vec4f(shown(diffuse + specular), 1.0);
 }

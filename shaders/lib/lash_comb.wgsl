@@ -14,9 +14,14 @@ const LASH_SHARE: f32 = 0.29;
 // curls alike.
 const LASH_EVEN: f32 = 0.45;
 
-// How steep the lowest ray is that meets them from a place `upper_gap` mm below the upper lid's margin: its rise for each unit forward.
+// How far before the lid (mm) half of them end.
+const LASH_HALF_MM: f32 = 0.75 * LASH_REACH_MM;
+
+// How steep the ray is, from a place `upper_gap` mm below the upper lid's margin, that half of the lashes that it crosses let pass: its rise
+// for each unit forward. Steeper ones meet all of them.
 fn lash_rise(upper_gap: f32) -> f32 {
-    return 2.0 * sqrt(LASH_CURL * max(upper_gap, 0.0));
+    let gap = max(upper_gap, 0.0);
+    return max(sqrt(4.0 * LASH_CURL * gap + LASH_EVEN), LASH_CURL * LASH_HALF_MM + gap / LASH_HALF_MM);
 }
 
 // Share of a ray in the unit direction r, from a place `x` mm aside and `upper_gap` mm below the upper lid's margin, that they let pass where

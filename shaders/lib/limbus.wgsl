@@ -36,13 +36,14 @@ fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
 }
 
 // How much narrower the transition is where it is narrowest.
-const LIMBUS_UNEVEN: f32 = 0.4;
+const LIMBUS_UNEVEN: f32 = 0.22;
 
 // Width of the transition at a place (mm from the axis), against 0.9 mm: above and below the sclera goes further over the cornea, and here
 // and there less far; `own` (rad) makes it that of this eye.
 fn limbus_width(at: vec2f, own: f32) -> f32 {
     let sine = at.y / max(length(at), 1e-3);
-    let uneven = 0.5 + (sin(1.7 * at.x + own) + sin(2.3 * at.y - 1.3 * own) + sin(5.3 * at.x + 3.1 * at.y + 2.0 * own)) / 6.0;
+    let broad = sin(1.1 * at.x + own) + sin(1.5 * at.y - 1.3 * own);
+    let uneven = 0.5 + (broad + 0.6 * sin(2.9 * at.x + 1.7 * at.y + broad + 2.0 * own)) / 5.2;
     return (0.87 + 0.48 * sine * sine) * (1.0 - LIMBUS_UNEVEN * uneven);
 }
 
@@ -50,14 +51,15 @@ fn limbus_width(at: vec2f, own: f32) -> f32 {
 const ARCUS_DENSEST: f32 = 0.3;
 
 // Width (mm) of the clear rim about it.
-const ARCUS_CLEAR_MM: f32 = 0.45;
+const ARCUS_CLEAR_MM: f32 = 0.12;
 
-// Density of the lipid of an arcus at a place of the cornea, `r` from the axis: a ring with a clear rim outside it, which comes
+// Density of the lipid of an arcus at a place of the cornea, `r` from the axis: a ring with a clear rim outside it, within the limbus of this `width`
+// (`limbus_width`), which comes
 // first above and below; `lipid` 0 to 1.
-fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32) -> f32 {
-    let inside = limbus_radius - r;
-    let wide = 0.6 + 1.1 * lipid;
-    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside) * smoothstep(wide + 1.0, ARCUS_CLEAR_MM + 0.35 * wide, inside);
+fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32, width: f32) -> f32 {
+    let inside = limbus_radius - r - 0.55 * width;
+    let wide = 0.5 + 0.6 * lipid;
+    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside) * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
     let there = mix(0.65 * smoothstep(0.15, 0.85, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);
     return ring * there;
 }

@@ -1,4 +1,4 @@
-// needs: surroundings.wgsl, lid_shade.wgsl, footprint.wgsl
+// needs: surroundings.wgsl, footprint.wgsl
 //
 // The sclera's diffuse light. Eye frame, millimetres.
 // Twin: src/appearance/shading/sclera_shade.rs.
@@ -6,8 +6,9 @@
 // The map is azimuthal equidistant from the front, to 100 degrees.
 const SCLERA_HALF_ANGLE: f32 = 1.7453293;
 
-// `normal` is that of its wet surface, `soft` that of the tissue as its diffuse light shows it.
-struct ScleraSurface { albedo: vec3f, normal: vec3f, soft: vec3f };
+// `normal` is that of its wet surface, `soft` that of the tissue as its diffuse light shows it; `unseen` is the
+// variance of its slopes that a pixel does not see.
+struct ScleraSurface { albedo: vec3f, normal: vec3f, soft: vec3f, unseen: f32 };
 
 // Depth (mm) of the episcleral vessels under the surface, and how far light travels sideways in the tissue, so that a
 // vessel's shadow is that wide.
@@ -23,21 +24,41 @@ fn sclera_uv(p: vec3f) -> vec2f {
     return 0.5 + 0.5 * direction * (angle / SCLERA_HALF_ANGLE);
 }
 
-// The normal with the relief of the map, from how much higher (mm) it is a step (mm) to the right and above.
-fn sclera_normal(normal: vec3f, right: f32, above: f32, step: f32) -> vec3f {
-    return normalize(normal - vec3f(vec2f(right, above) / step, 0.0));
+// The normal at p with relief that rises so fast (in the map, to the right and up): outwards from the front as fast on the globe, around it faster,
+// as the map spreads what lies there.
+fn sclera_normal(normal: vec3f, p: vec3f, rise: vec2f) -> vec3f {
+    let n = normalize(p);
+    let across = length(n.xy);
+    let away = select(vec2f(1.0, 0.0), n.xy / max(across, 1e-6), across > 1e-6);
+    let angle = acos(clamp(-n.z, -1.0, 1.0));
+    let spread = select(1.0, angle / max(across, 1e-6), across > 1e-3);
+    let outward = vec3f(-n.z * away, across);
+    let around = vec3f(-away.y, away.x, 0.0);
+    return normalize(normal - dot(rise, away) * outward - (dot(rise, around.xy) * min(spread, 4.0)) * around);
 }
 
 // Share of the relief's slopes that diffuse light shows: it travels further than most of them are wide.
 const WHITE_SOFT: f32 = 0.3;
 // Spread (rad, of the slopes along an axis) of the relief of the wet white, and the width (mm) of a pixel that no longer sees half of it.
-const WHITE_SLOPES: f32 = 0.057;
-const WHITE_SLOPES_MM: f32 = 0.105;
+const WHITE_SLOPES: f32 = 0.044;
+const WHITE_SLOPES_MM: f32 = 0.12;
 
 // Variance of the slopes of the wet white along an axis that a pixel of this footprint (mm) does not see one by one.
 fn unseen_slopes(footprint: f32) -> f32 {
-    let wide = footprint / WHITE_SLOPES_MM;
-    return WHITE_SLOPES * WHITE_SLOPES * (1.0 - 1.0 / (1.0 + wide * wide));
+    let wide = pow(max(footprint, 1e-6) / WHITE_SLOPES_MM, 1.6);
+    return WHITE_SLOPES * WHITE_SLOPES * (1.0 - 1.0 / (1.0 + wide));
+}
+
+// Roughness of a surface whose own is this and whose slopes vary by `unseen` more: variances add.
+fn white_rough(own: f32, unseen: f32) -> f32 {
+    let square = own * own;
+    return sqrt(sqrt(square * square + 2.0 * unseen));
+}
+
+// How far (rad) a surface of this roughness spreads what it mirrors, as the surroundings' map counts it: its slopes' spread twice, of a width that is
+// even.
+fn mirror_spread(roughness: f32) -> f32 {
+    return 2.45 * roughness * roughness;
 }
 
 // What vessels with columns of blood of `column` mm in the mean leave of white light, linear sRGB: green by Beer's law, red and
@@ -68,12 +89,6 @@ fn sclera_lamp(cosine: f32) -> vec3f {
     return wrapped_cosines(cosine, vec3f(0.42, 0.30, 0.24));
 }
 
-// What the lids reflect back is warm, most of it near their margins.
-fn sclera_lid_bounce(shade: LidShade) -> vec3f {
-    let near_lid = exp(-max(min(shade.upper_gap, shade.lower_gap), 0.0) / 1.1);
-    return mix(vec3f(1.0), vec3f(1.05, 0.86, 0.80), near_lid * 0.8);
-}
-
 // What the conjunctiva leaves of the light from the `white` below it, by Beer and Lambert: all of it where it is thin
 // and clear (share 0), as much as makes the white look like flesh where it is thick (share 1).
 fn conjunctiva_filter(flesh: vec3f, white: vec3f, share: f32) -> vec3f {
@@ -99,9 +114,8 @@ fn sclera_surface(colors: texture_2d<f32>, vessels: texture_2d<f32>, linear: sam
     let shadow = textureSampleLevel(vessels, linear, uv, max(lod, log2(SHADOW_MM / texel))).r;
     let ground = textureSampleLevel(colors, linear, uv, max(lod - 2.0, 0.0)).rgb;
     let albedo = ground * vessel_filter(here.r, shadow, deep, above);
-    let rise = vec2f(right - here.b, upper - here.b);
-    let run = step * side * texel;
-    return ScleraSurface(albedo, sclera_normal(normal, rise.x, rise.y, run), sclera_normal(normal, WHITE_SOFT * rise.x, WHITE_SOFT * rise.y, run));
+    let rise = vec2f(right - here.b, upper - here.b) / (step * side * texel);
+    return ScleraSurface(albedo, sclera_normal(normal, p, rise), sclera_normal(normal, p, WHITE_SOFT * rise), unseen_slopes(max(footprint, texel)));
 }
 
 // The lumps of plica and caruncle at a point p of the head frame: their height (mm), how fast it rises along x and y, and whether there are

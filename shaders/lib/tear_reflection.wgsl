@@ -1,4 +1,4 @@
-// needs: fresnel.wgsl, lash_comb.wgsl, surroundings.wgsl, tear_film.wgsl
+// needs: fresnel.wgsl, lash_comb.wgsl, lid_shade.wgsl, surroundings.wgsl, tear_film.wgsl
 //
 // What the tears mirror. Head frame, unit vectors; n the normal, v towards the eye that looks; `mirrored` is
 // the radiance from where the mirror looks. Twin: src/appearance/shading/tear_reflection.rs.
@@ -11,28 +11,30 @@ fn lashes_pass(x: f32, r: vec3f, upper_gap: f32, footprint: f32) -> f32 {
     return lashes_left(x, r, upper_gap, footprint, 2.0 * footprint / LASH_MIRROR_MM);
 }
 
-// Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place `x` mm aside (head frame) and `upper_gap` mm below
-// the upper lid's margin, a pixel being `footprint` mm wide: lids and lashes hide what lies above, and send back `lid_light` times what
-// skin does.
-fn tear_reflection(mirrored: vec3f, lid_light: vec3f, n: vec3f, v: vec3f, lipid_nm: f32, x: f32, upper_gap: f32, footprint: f32) -> vec3f {
+// Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place between the lids (`shade`), a pixel being `footprint` mm wide: lids
+// and lashes hide what lies above and below, and send back `lids`.
+fn tear_reflection(mirrored: vec3f, lids: vec3f, n: vec3f, v: vec3f, lipid_nm: f32, shade: LidShade, footprint: f32) -> vec3f {
     let cosine = clamp(dot(n, v), 0.0, 1.0);
     let f = tear_film_rgb(cosine, 1.48, 1.337, lipid_nm);
-    return f * past_lids(mirrored, lid_light, reflect(-v, n), x, upper_gap, footprint);
+    return f * past_lids(mirrored, lids, reflect(-v, n), shade, footprint);
 }
 
-// Radiance from the unit direction r at a place `x` mm aside (head frame) and `upper_gap` mm below the upper lid's margin: what is there, or
-// the lids before it.
-fn past_lids(mirrored: vec3f, lid_light: vec3f, r: vec3f, x: f32, upper_gap: f32, footprint: f32) -> vec3f {
-    // The reflected ray rises by r.y for each unit forward; it meets the upper lid when that is steeper than the gap allows.
+// How soft the lids' edges are as they are mirrored, of how steep a ray is.
+const LID_MIRROR_SOFT: f32 = 0.35;
+
+// Radiance from the unit direction r at a place between the lids: what is there, or the lids before it.
+fn past_lids(mirrored: vec3f, lids: vec3f, r: vec3f, shade: LidShade, footprint: f32) -> vec3f {
+    // The ray rises by r.y for each unit forward; it meets a lid where that is steeper than its edge.
     let rise = r.y / max(length(r.xz), 0.05);
-    let lid = smoothstep(-0.35, 0.35, upper_gap * 0.42 + 0.25 - rise);
-    let skin = vec3f(0.45, 0.27, 0.20) * lid_light;
-    return mix(skin, mirrored * lashes_pass(x, r, upper_gap, footprint), lid * past_head(r));
+    let upper = (shade.upper_gap + LID_EDGE_UP_MM) / LID_EDGE_MM - rise;
+    let lower = (shade.lower_gap + LID_EDGE_UP_MM) / LID_EDGE_MM + rise;
+    let past = smoothstep(-LID_MIRROR_SOFT, LID_MIRROR_SOFT, upper) * smoothstep(-LID_MIRROR_SOFT, LID_MIRROR_SOFT, lower);
+    return mix(lids, mirrored * lashes_pass(shade.aside, r, shade.upper_gap, footprint), past * past_head(r));
 }
 
 // Radiance from the meniscus along the lids, a clear thread of tears.
-fn meniscus_reflection(mirrored: vec3f, lid_light: vec3f, n: vec3f, v: vec3f, x: f32, upper_gap: f32, footprint: f32) -> vec3f {
-    let seen = past_lids(mirrored, lid_light, reflect(-v, n), x, upper_gap, footprint);
+fn meniscus_reflection(mirrored: vec3f, lids: vec3f, n: vec3f, v: vec3f, shade: LidShade, footprint: f32) -> vec3f {
+    let seen = past_lids(mirrored, lids, reflect(-v, n), shade, footprint);
     return seen * fresnel_dielectric(max(dot(n, v), 0.0), 1.0, 1.337);
 }
 

@@ -202,7 +202,10 @@ impl Builder<'_, '_, '_, '_> {
             parts,
         );
         let tears = self.assets.tears.add(MeniscusMaterial {
-            meniscus: MeniscusUniform { strength: 1.0 },
+            meniscus: MeniscusUniform {
+                strength: 1.0,
+                lids: skin_albedo(anatomy.skin.tone),
+            },
             illumination,
             around,
         });

@@ -156,6 +156,8 @@ pub struct GlobeUniform {
     pub pupil_magnification: f32,
     /// Vergence for which the eye is in focus now, 1/mm: a power vector of the eye frame.
     pub focus: Vec3,
+    /// Albedo of the lids' skin, linear sRGB.
+    pub lids_color: Vec3,
     /// Equivalent reflectance of the fundus, linear sRGB.
     pub fundus: Vec3,
     /// Lipid in the rim of the cornea, 0 to 1.
@@ -377,6 +379,8 @@ pub struct HairMaterial {
 pub struct MeniscusUniform {
     /// How strongly it mirrors, 0 to 1.
     pub strength: f32,
+    /// Albedo of the lids' skin, linear sRGB.
+    pub lids: Vec3,
 }
 
 /// The thread of tears along the lid margins.

@@ -123,7 +123,7 @@ pub struct ScleraMap {
     /// Texels along each side of the map of vessels.
     pub vessels_size: usize,
     /// Columns of blood, mm, in conjunctival vessels and in those of the episclera and deeper; relief, mm (about
-    /// ±0.05, positive outwards); height of the lumps of plica and caruncle, mm, which stand in the head: about the direction that
+    /// ±0.13, positive outwards); height of the lumps of plica and caruncle, mm, which stand in the head: about the direction that
     /// an eye has straight ahead.
     pub vessels: Vec<[f32; 4]>,
 }
@@ -384,7 +384,8 @@ fn relief_mm(seed: u32, place: Place, fold: f32) -> f32 {
     let loose = smoothstep(35.0, 95.0, x.hypot(y));
     let ripple = fbm(x * 0.3 + 7.0, y * 0.35 + 7.0, [0, 0], 2, seed ^ 0xb2);
     let broad = lerp(0.006, 0.03, loose) * fold + lerp(0.003, 0.007, loose) * ripple;
-    if x.hypot(y) > FINE_TO_DEG {
+    let ends = smoothstep(FINE_TO_DEG, FINE_TO_DEG - 12.0, x.hypot(y));
+    if ends <= 0.0 {
         return broad;
     }
     let fine: f32 = FINE_RELIEF
@@ -402,16 +403,16 @@ fn relief_mm(seed: u32, place: Place, fold: f32) -> f32 {
         })
         .sum();
     let tight = lerp(0.5, 1.0, smoothstep(LIMBUS_DEG, 45.0, x.hypot(y)));
-    broad + tight * lerp(0.3, 1.6, smoothstep(-0.5, 0.5, fold)) * fine
+    broad + ends * tight * lerp(0.3, 1.6, smoothstep(-0.5, 0.5, fold)) * fine
 }
 
 /// How far a vessel lifts the epithelium over it, of its column of blood: the loose tissue gives way below more than above (a choice).
 const VESSEL_RISE: f32 = 0.12;
 
 /// The fine relief of the conjunctiva, which breaks what its tears mirror: cells for each degree (0.2 mm), and height, mm. It lies tight at the limbus
-/// (half of that), is smooth in places, and ends where no lid opens (degrees). Choices by the look of macro photographs: their slopes, 0.06 rad in the mean,
+/// (half of that), is smooth in places, and ends in the 12 degrees before where no lid opens. Choices by the look of macro photographs: their slopes, 0.044 rad in the mean,
 /// break the image of a softbox into patches of some 0.3 mm and specks about them.
-const FINE_RELIEF: [(f32, f32); 2] = [(0.5, 0.019), (1.2, 0.006)];
+const FINE_RELIEF: [(f32, f32); 2] = [(0.42, 0.018), (1.05, 0.0045)];
 const FINE_TO_DEG: f32 = 85.0;
 
 #[cfg(test)]

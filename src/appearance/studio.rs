@@ -204,7 +204,8 @@ impl Shining {
 
     /// Radiance over what [`Self::at`] says.
     fn factor(&self) -> DVec3 {
-        let reach = 1.1 * self.half.max_element() + EDGE;
+        // To the corners, however it is turned.
+        let reach = 1.45 * self.half.max_element() + EDGE;
         let unit = lamp_color(self.direction, reach.atan(), |d| DVec3::splat(self.at(d)));
         self.color / f64::from(unit.x).max(1e-9)
     }

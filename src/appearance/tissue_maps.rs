@@ -435,6 +435,7 @@ pub(super) fn static_uniform(anatomy: &Anatomy<'_>, shape: &GlobeShape) -> Globe
         lamellae_pass,
         arcus: cornea.arcus_at(anatomy.patient.age_years) as f32,
         pupil_magnification: cornea.pupil_magnification(iris.depth_mm) as f32,
+        lids_color: skin_albedo(anatomy.skin.tone),
         fundus: fundus(),
         cornea_haze: color(cornea_backscatter()),
         lens_passes: Vec3::ONE,

@@ -133,6 +133,7 @@ const VOXEL_INSERT: &str = include_str!("../../shaders/view/field/voxel_insert.w
 const RAYS: &str = include_str!("../../shaders/view/field/rays.wgsl");
 const MOVERS: &str = include_str!("../../shaders/view/field/movers.wgsl");
 const COMMON: &str = include_str!("../../shaders/eye/common.wgsl");
+const LIDS_LIGHT: &str = include_str!("../../shaders/eye/lids_light.wgsl");
 const MESH: &str = include_str!("../../shaders/eye/mesh.wgsl");
 
 /// Every shader of the program.
@@ -168,7 +169,12 @@ pub const SOURCES: &[Source] = &[
             "fundus",
             "output",
         ],
-        entry: &[COMMON, MESH, include_str!("../../shaders/eye/globe.wgsl")],
+        entry: &[
+            COMMON,
+            MESH,
+            LIDS_LIGHT,
+            include_str!("../../shaders/eye/globe.wgsl"),
+        ],
     },
     Source {
         handle: SKIN,
@@ -198,13 +204,16 @@ pub const SOURCES: &[Source] = &[
             "tear_film",
             "footprint",
             "surroundings",
+            "knots",
             "lash_comb",
+            "lid_shade",
             "tear_reflection",
             "output",
         ],
         entry: &[
             COMMON,
             MESH,
+            LIDS_LIGHT,
             include_str!("../../shaders/eye/meniscus.wgsl"),
         ],
     },

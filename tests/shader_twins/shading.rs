@@ -274,10 +274,12 @@ fn the_lids() {
     let call = format!(
         "let p = vec3f(x[{}], x[{}], x[{}]); let at = lid_knot(p.x); \
          let s = lid_shade(LidSpan(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
-         y[0] = s.aside; y[1] = s.contact; y[2] = s.upper_gap; y[3] = s.lower_gap; \
+         y[0] = s.aside; y[1] = s.upper_gap; y[2] = s.lower_gap; y[3] = LIDS_SEND + LIDS_FACE.y; \
          y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]); y[5] = lid_sky_within(s, 3.0, 1.336); \
-         var around = array<vec4<f32>, 9>(); for (var i = 0; i < 9; i++) {{ around[i] = vec4f(1.0 - 0.2 * f32(i), 0.3 + 0.1 * f32(i), 0.5, 0.0); }} \
-         let sky = lid_sky(around, s, normalize(vec3f(x[{}], x[{}], x[{}]) - vec3f(0.0, 0.0, 2.0))); y[6] = sky.x; y[7] = sky.y; y[8] = sky.z;",
+         var a = array<vec3f, 9>(); for (var i = 0; i < 9; i++) {{ a[i] = vec3f(1.0 - 0.2 * f32(i), 0.3 + 0.1 * f32(i), 0.5); }} \
+         let around = SkyFactors(a[0], mat3x3f(a[3], a[1], a[2]), mat3x3f(a[8] - a[6], 0.5 * a[4], 0.5 * a[7]), \
+            mat3x3f(0.5 * a[4], -a[8] - a[6], 0.5 * a[5]), mat3x3f(0.5 * a[7], 0.5 * a[5], 2.0 * a[6])); \
+         let sky = lid_sky(around, s, normalize(vec3f(x[{}], x[{}], x[{}]) - vec3f(0.0, 0.0, 2.0)), vec3f(0.3, 0.2, 0.1)); y[6] = sky.x; y[7] = sky.y; y[8] = sky.z;",
         samples,
         samples + 1,
         samples + 2,
@@ -320,8 +322,9 @@ fn the_lids() {
                     bevy::math::Vec4::new(1.0 - 0.2 * i, 0.3 + 0.1 * i, 0.5, 0.0)
                 });
                 let n = (v3(&x[samples + 3..]) - 2.0 * DVec3::Z).normalize();
-                let sky = lid_shade::lid_sky(&around, &s, n);
-                let lids = [s.aside, s.contact, s.upper_gap, s.lower_gap, lamp, within];
+                let sky = lid_shade::lid_sky(&around, &s, n, DVec3::new(0.3, 0.2, 0.1));
+                let face = lid_shade::LIDS_SEND + lid_shade::LIDS_FACE.y;
+                let lids = [s.aside, s.upper_gap, s.lower_gap, face, lamp, within];
                 [&lids[..], &rgb(sky)].concat()
             },
             // A place among 31 intervals is good to 4e-6, between heights 2 mm apart.
@@ -346,7 +349,7 @@ fn the_limbus() {
                    let at = lamellae_knot(x[8]); let there = mix(table[at.below], table[at.below + 1], at.part).rgb; let whole = table[7].rgb; \
                    let c = limbus_through(there, whole) + 0.25 * limbus_white(there, whole); y[1] = c.x; y[2] = c.y; y[3] = c.z; \
                    let n = limbus_normal(vec3f(x[2], x[3], x[4]), vec3f(x[5], x[6], x[7]), y[0]); \
-                   y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8]); y[8] = limbus_width(vec2f(x[0] * x[2], x[1] * x[3]), 6.0 * x[8]);",
+                   y[4] = n.x; y[5] = n.y; y[6] = n.z; y[7] = arcus_share(x[0], x[2], x[1], x[8], 0.6 + 0.5 * x[8]); y[8] = limbus_width(vec2f(x[0] * x[2], x[1] * x[3]), 6.0 * x[8]);",
             draw: &|rng| {
                 let limbus = between(rng, 5.0, 6.5);
                 let globe = unit(rng);
@@ -379,7 +382,13 @@ fn the_limbus() {
                 let through = limbus::limbus_through(there, table[7]);
                 out.extend(rgb(through + 0.25 * limbus::limbus_white(there, table[7])));
                 out.extend(rgb(normal));
-                out.push(limbus::arcus_share(x[0], x[2], x[1], x[8]));
+                out.push(limbus::arcus_share(
+                    x[0],
+                    x[2],
+                    x[1],
+                    x[8],
+                    0.6 + 0.5 * x[8],
+                ));
                 let place = glam::DVec2::new(x[0] * x[2], x[1] * x[3]);
                 out.push(limbus::limbus_width(place, 6.0 * x[8]));
                 out
@@ -455,6 +464,15 @@ fn lamp_lobes() {
     );
 }
 
+/// Where a mirror of [`draw_mirror`] is between its lids.
+fn between_lids(x: &[f64]) -> LidShade {
+    LidShade {
+        aside: x[14],
+        upper_gap: x[13],
+        lower_gap: 8.0 - 0.9 * x[13],
+    }
+}
+
 fn draw_mirror(rng: &mut Pcg64) -> Vec<f32> {
     let mut x: Vec<f32> = (0..6).map(|_| between(rng, 0.0, 1.0)).collect();
     draw_views(rng, &mut x);
@@ -477,17 +495,16 @@ fn tears() {
             name: "tear_reflection",
             library: &["tear_reflection"],
             call: &format!(
-                "{VIEWS} let c = tear_reflection(m, k, n, v, x[12], x[14], x[13], 1.0); {RGB_OUT}"
+                "{VIEWS} let c = tear_reflection(m, k, n, v, x[12], LidShade(x[14], x[13], 8.0 - 0.9 * x[13]), 1.0); {RGB_OUT}"
             ),
             draw: &draw_mirror,
             exact: &|x| {
                 rgb(tear_reflection::tear_reflection(
                     v3(x),
                     v3(&x[3..]),
-                    v3(&x[6..]),
-                    v3(&x[9..]),
+                    [v3(&x[6..]), v3(&x[9..])],
                     x[12],
-                    [x[14], x[13]],
+                    &between_lids(x),
                     // Seen from so far that the lashes' comb, which a test of its own runs, is even.
                     1.0,
                 ))
@@ -504,7 +521,7 @@ fn tears() {
     pass_unless_off(
         &Twin {
             name: "lashes_left",
-            library: &["tear_reflection", "lash_comb"],
+            library: &["tear_reflection"],
             call: "let r = normalize(vec3f(x[6], x[7], x[8])); y[0] = lashes_pass(x[14], r, x[13], x[15]); \
                    y[1] = lashes_left(x[14], r, x[13], 0.06, 0.1 * x[15]); y[2] = lash_rise(x[13]);",
             draw: &draw_mirror,
@@ -584,16 +601,15 @@ fn tears() {
             name: "meniscus_reflection",
             library: &["tear_reflection"],
             call: &format!(
-                "{VIEWS} let c = meniscus_reflection(m, k, n, v, x[14], x[13], 1.0) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
+                "{VIEWS} let c = meniscus_reflection(m, k, n, v, LidShade(x[14], x[13], 8.0 - 0.9 * x[13]), 1.0) * meniscus_blur(0.01 * x[12]); {RGB_OUT}"
             ),
             draw: &draw_mirror,
             exact: &|x| {
                 let radiance = tear_reflection::meniscus_reflection(
                     v3(x),
                     v3(&x[3..]),
-                    v3(&x[6..]),
-                    v3(&x[9..]),
-                    [x[14], x[13]],
+                    [v3(&x[6..]), v3(&x[9..])],
+                    &between_lids(x),
                     // As above.
                     1.0,
                 );
@@ -712,25 +728,6 @@ fn coverage() {
         1,
         1e-3,
     );
-}
-
-/// Any shade that lids can make.
-pub fn draw_shade(rng: &mut Pcg64) -> [f32; 4] {
-    [
-        between(rng, 0.0, 1.0),
-        between(rng, 0.0, 1.0),
-        between(rng, -2.0, 10.0),
-        between(rng, -2.0, 10.0),
-    ]
-}
-
-pub fn shade_of(x: &[f64]) -> LidShade {
-    LidShade {
-        aside: x[0],
-        contact: x[1],
-        upper_gap: x[2],
-        lower_gap: x[3],
-    }
 }
 
 #[test]

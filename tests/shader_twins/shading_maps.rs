@@ -1,6 +1,6 @@
 //! Sclera and iris with their maps: as textures on the device and as the same texels in f64.
 
-use super::shading::{RGB_OUT, draw_shade, pass_unless_off, rgb, shade_of};
+use super::shading::{RGB_OUT, pass_unless_off, rgb};
 use super::{between, unit, v2, v3};
 use crate::gpu::{Map, Twin};
 use glam::{DVec2, DVec3};
@@ -153,14 +153,47 @@ fn sclera() {
     );
     pass_unless_off(
         &Twin {
+            name: "sclera_normal",
+            library: &["sclera_shade"],
+            call: "let u = unseen_slopes(x[6]); y[0] = 100.0 * u; y[1] = white_rough(0.1 + 0.01 * x[6], u); y[2] = mirror_spread(y[1]); \
+                   let n = sclera_normal(vec3f(x[3], x[4], x[5]), vec3f(x[0], x[1], x[2]), vec2f(x[7], x[8])); \
+                   y[3] = n.x; y[4] = n.y; y[5] = n.z; y[6] = sclera_lamp(x[7]).x;",
+            draw: &|rng| {
+                let mut x = draw_place(rng).to_vec();
+                x.extend([
+                    10.0_f32.powf(between(rng, -3.0, 0.5)),
+                    between(rng, -0.5, 0.5),
+                    between(rng, -0.5, 0.5),
+                ]);
+                x
+            },
+            exact: &|x| {
+                let u = sclera_shade::unseen_slopes(x[6]);
+                let rough = sclera_shade::white_rough(0.1 + 0.01 * x[6], u);
+                let rise = DVec2::new(x[7], x[8]);
+                let n = sclera_shade::sclera_normal(v3(&x[3..]), v3(x), rise);
+                let spread = sclera_shade::mirror_spread(rough);
+                let lamp = sclera_shade::sclera_lamp(x[7]).x;
+                vec![100.0 * u, rough, spread, n.x, n.y, n.z, lamp]
+            },
+            // An arc cosine of a device is good to 1e-4 rad near straight on, where it is divided by its sine.
+            absolute: 2e-4,
+            relative: 1e-5,
+            steep_share: 0.002,
+        },
+        &[],
+        6,
+        0.1,
+    );
+    pass_unless_off(
+        &Twin {
             name: "sclera_surface",
             library: &["sclera_shade"],
             call: "let r = sclera_surface(sclera_map, vessel_map, sclera_map_sampler, vec3f(x[0], x[1], x[2]), \
                    vec3f(x[3], x[4], x[5]), normalize(vec3f(x[3], x[4], x[5]) + vec3f(x[8], x[9], x[10])), x[6], x[7], \
                    vec3f(0.2, 0.3, 0.45)); let c = r.albedo; y[0] = c.x; y[1] = c.y; y[2] = c.z; \
-                   y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z + r.soft.x + r.soft.y + unseen_slopes(x[6]); \
-                   let e = sclera_lid_bounce(LidShade(x[11], x[12], x[13], x[14])) + sclera_lamp(x[0]); \
-                   y[6] = e.x; y[7] = e.z; y[8] = textureSampleLevel(vessel_map, vessel_map_sampler, vec2f(0.5), 0.0).a;",
+                   y[3] = r.normal.x; y[4] = r.normal.y; y[5] = r.normal.z; \
+                   y[6] = r.soft.x; y[7] = r.soft.y; y[8] = textureSampleLevel(vessel_map, vessel_map_sampler, vec2f(0.5), 0.0).a;",
             draw: &|rng| {
                 let mut x = draw_place(rng).to_vec();
                 x.extend([
@@ -168,7 +201,6 @@ fn sclera() {
                     between(rng, 10.5, 12.5),
                 ]);
                 x.extend((0..3).map(|_| between(rng, -0.5, 0.5)));
-                x.extend(draw_shade(rng));
                 x
             },
             exact: &|x| {
@@ -180,11 +212,7 @@ fn sclera() {
                 };
                 let r =
                     sclera_shade::sclera_surface(&color_view, &vessel_view, &sight, x[7], above);
-                let e = sclera_shade::sclera_lid_bounce(&shade_of(&x[11..]))
-                    + sclera_shade::sclera_lamp(x[0]);
-                let normal =
-                    r.normal + (r.soft.x + r.soft.y + sclera_shade::unseen_slopes(x[6])) * DVec3::Z;
-                [rgb(r.albedo), rgb(normal), vec![e.x, e.z, 0.0]].concat()
+                [rgb(r.albedo), rgb(r.normal), vec![r.soft.x, r.soft.y, 0.0]].concat()
             },
             // The place is good to 1.1e-4 of 1024 texels, a ninth of one, between texels of vessels and ripples.
             absolute: 9e-3,

@@ -54,14 +54,18 @@ pub(super) fn parse_scene_fps(text: &str) -> Result<f32, String> {
 }
 
 pub(super) fn parse_distance(text: &str) -> Result<f32, String> {
-    let text_mm = text.trim().strip_suffix("mm").unwrap_or(text).trim();
-    text_mm
-        .parse::<f32>()
-        .ok()
+    let text = text.trim();
+    let (number, unit_mm) = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)]
+        .iter()
+        .find_map(|(unit, mm)| Some((text.strip_suffix(unit)?, *mm)))
+        .unwrap_or((text, 1.0));
+    let value = number.trim().parse::<f32>().ok();
+    value
+        .map(|value| value * unit_mm)
         .filter(|value| EyeOrbit::DISTANCES_MM.contains(value))
         .ok_or_else(|| {
             let (from, to) = (EyeOrbit::DISTANCES_MM.start(), EyeOrbit::DISTANCES_MM.end());
-            format!("{text:?} is not a distance of {from} to {to} mm")
+            format!("{text:?} is not a distance of {from} to {to} mm, as in 60, 60mm, 6cm or 0.5m")
         })
 }
 

@@ -125,6 +125,7 @@ fn every_number_is_where_its_shader_reads_it() {
         capsule = Vec3::splat(9.0),
         relief = 9.0,
         lens_turn = 9.0,
+        lids_color = Vec3::splat(9.0),
         flesh = Vec3::splat(9.0),
         above_vessels = Vec3::splat(9.0),
         iris_sky = [Vec4::splat(9.0); SKY_RADII],
@@ -212,6 +213,7 @@ fn every_number_is_where_its_shader_reads_it() {
         MeniscusUniform,
         shaders::MENISCUS,
         "Meniscus",
-        strength = 9.0
+        strength = 9.0,
+        lids = Vec3::splat(9.0)
     );
 }

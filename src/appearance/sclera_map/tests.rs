@@ -102,6 +102,17 @@ fn healthy_vessels_are_sparse_and_redness_adds_to_them() {
     let (calm, inflamed) = (cover(0.1), cover(0.9));
     assert!((0.003..0.08).contains(&calm), "{calm}");
     assert!(inflamed > 1.8 * calm, "{calm} {inflamed}");
+    // More of them and wider: 3.2 times as many, each with 2.7 times the blood.
+    let volume = |redness: f32| {
+        let settings = ScleraMapSettings {
+            redness,
+            ..ScleraMapSettings::default()
+        };
+        let map = grow(2, &settings, 512);
+        map.vessels.iter().map(|v| v[0]).sum::<f32>()
+    };
+    let ratio = volume(0.9) / volume(0.1);
+    assert!((5.0..10.0).contains(&ratio), "{ratio}");
 }
 
 #[test]

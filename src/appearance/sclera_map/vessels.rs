@@ -13,6 +13,10 @@ use crate::tissue::noise::{HashStream, value_noise};
 const STEP_DEG: f32 = 0.3;
 /// How far a vessel has come from a fork, degrees, when it is turned from its way by a third of what it was there.
 const FORK_STRAIGHTENS_DEG: f32 = 9.0;
+/// How far it has come, degrees, when it winds by two thirds as it will.
+const WINDS_FROM_DEG: f32 = 4.0;
+/// The most that it is turned from its way, rad.
+const MOST_TURNED: f32 = 1.4;
 /// Degrees per millimetre on the globe.
 const DEG_PER_MM: f32 = 180.0 / PI / 11.5;
 
@@ -28,9 +32,11 @@ pub(super) struct Blood {
 #[derive(Clone, Copy)]
 struct Tip {
     at: Place,
-    /// How far it was turned from its way at its fork, rad, and how far it has come since, degrees.
+    /// How far it was turned from its way at its last fork, rad, and how far it has come since, degrees.
     turned: f32,
     since: f32,
+    /// How far it has come since it began, degrees.
+    along: f32,
     radius_mm: f32,
     left_deg: f32,
     seed: u32,
@@ -61,9 +67,9 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
         deep: vec![0.0; coarse * coarse],
     };
     let redness = settings.redness;
-    deep_vessels(&mut blood, seed, redness);
+    deep_vessels(&mut blood, seed, 1.0 + 0.35 * redness);
     // Injected vessels are wider, and more of them are open.
-    let fullness = 0.9 + 0.9 * redness;
+    let fullness = 1.0 + 0.85 * redness;
     let count = (60.0 + 200.0 * redness) as u32;
     let habit = Habit {
         swing: 0.75,
@@ -92,7 +98,7 @@ pub(super) fn grow(seed: u32, settings: &ScleraMapSettings, size: usize, coarse:
 }
 
 /// Anterior ciliary vessels over the four recti, and the veiled scleral plexus around them.
-fn deep_vessels(blood: &mut Blood, seed: u32, redness: f32) {
+fn deep_vessels(blood: &mut Blood, seed: u32, fullness: f32) {
     let mut dice = HashStream::new(seed, 42);
     let mut habit = Habit {
         swing: 0.5,
@@ -101,13 +107,13 @@ fn deep_vessels(blood: &mut Blood, seed: u32, redness: f32) {
         stop_deg: LIMBUS_DEG + 15.0,
         blur_deg: 0.7,
         deep: true,
-        gain: 0.8 + 0.6 * redness,
+        gain: 0.8,
     };
     for rectus in 0..4 {
         for _ in 0..2 {
             let angle = rectus as f32 * TAU / 4.0 + 0.22 * dice.normal();
             let start = dice.range(70.0, 98.0);
-            let radius_mm = dice.range(0.035, 0.075);
+            let radius_mm = fullness * dice.range(0.035, 0.075);
             let tip = tip_at(&mut dice, angle, start, radius_mm, 60.0);
             grow_tree(blood, &mut dice, tip, &habit);
         }
@@ -118,34 +124,50 @@ fn deep_vessels(blood: &mut Blood, seed: u32, redness: f32) {
     for _ in 0..26 {
         let angle = TAU * dice.unit();
         let start = dice.range(45.0, 90.0);
-        let radius_mm = dice.range(0.03, 0.07);
+        let radius_mm = fullness * dice.range(0.03, 0.07);
         let tip = tip_at(&mut dice, angle, start, radius_mm, 40.0);
         grow_tree(blood, &mut dice, tip, &habit);
     }
 }
 
-/// Hair-fine arcades along the limbus, denser above and below (where the palisades are).
+/// Hair-fine loops along the limbus, denser above and below (where the palisades are): each comes in, turns at the edge of the cornea and goes back.
 fn limbal_loops(blood: &mut Blood, seed: u32, fullness: f32) {
     let mut dice = HashStream::new(seed, 43);
-    for _ in 0..640 {
-        let angle = TAU * dice.unit();
-        let upright = angle.sin().abs();
-        if dice.unit() > 0.45 + 0.55 * upright {
+    let habit = Habit {
+        swing: 0.0,
+        wriggle: 0.0,
+        branching: 0.0,
+        stop_deg: 0.0,
+        blur_deg: 0.03,
+        deep: false,
+        gain: 0.8,
+    };
+    for _ in 0..420 {
+        let middle = TAU * dice.unit();
+        if dice.unit() > 0.45 + 0.55 * middle.sin().abs() {
             continue;
         }
-        let outer = LIMBUS_DEG + dice.range(2.0, 5.5);
-        let habit = Habit {
-            swing: 0.6,
-            wriggle: 0.8,
-            branching: 0.10,
-            stop_deg: LIMBUS_DEG - dice.range(0.0, 1.2),
-            blur_deg: 0.03,
-            deep: false,
-            gain: fullness,
+        let apex = LIMBUS_DEG + dice.range(-1.0, 1.2);
+        let reach = dice.range(1.5, 4.5);
+        let half = dice.range(0.25, 0.8) / LIMBUS_DEG;
+        let radius_mm = fullness * dice.range(0.004, 0.0085);
+        let own = dice.next_u32();
+        let at = |t: f32| -> Place {
+            let uneven = |which: u32| 0.25 * value_noise(4.0 * t, 0, own ^ which);
+            let out = (2.0 * t - 1.0) * (2.0 * t - 1.0);
+            let angle = middle + half * ((t - 0.5) * PI).sin() + uneven(1) / LIMBUS_DEG;
+            let radius = apex + reach * out + uneven(2);
+            [radius * angle.cos(), radius * angle.sin()]
         };
-        let radius_mm = dice.range(0.005, 0.011);
-        let tip = tip_at(&mut dice, angle, outer, radius_mm, 7.0);
-        grow_tree(blood, &mut dice, tip, &habit);
+        let length = 2.0 * reach + 2.0 * half * LIMBUS_DEG;
+        let pieces = (length / STEP_DEG).ceil().max(2.0) as u32;
+        for piece in 0..pieces {
+            let [from, to] = [piece, piece + 1].map(|k| at(k as f32 / pieces as f32));
+            // They come up from the depth.
+            let t = (piece as f32 + 0.5) / pieces as f32;
+            let risen = smoothstep(0.0, 0.25, t.min(1.0 - t));
+            blood.draw(from, to, radius_mm, &habit, risen * habit.gain);
+        }
     }
 }
 
@@ -154,6 +176,7 @@ fn tip_at(dice: &mut HashStream, angle: f32, from_deg: f32, radius_mm: f32, leng
         at: [from_deg * angle.cos(), from_deg * angle.sin()],
         turned: 0.45 * dice.normal(),
         since: 0.0,
+        along: 0.0,
         radius_mm,
         left_deg: length * dice.range(0.5, 1.2),
         seed: dice.next_u32(),
@@ -176,21 +199,14 @@ fn grow_branch(
     waiting: &mut Vec<Tip>,
 ) {
     let whole = tip.left_deg;
-    let mut along = 0.0;
     while tip.left_deg > 0.0 {
         let distance = tip.at[0].hypot(tip.at[1]);
         if distance < habit.stop_deg || distance > MAP_EDGE_DEG * 1.3 {
             break;
         }
         let inward = (-tip.at[1]).atan2(-tip.at[0]);
-        let restless =
-            0.35 + 0.65 * smoothstep(-0.5, 0.6, value_noise(along * 0.08, 0, tip.seed ^ 3));
-        // However it winds it goes to the limbus: no vessel turns back.
-        let heading = inward
-            + tip.turned * (-tip.since / FORK_STRAIGHTENS_DEG).exp()
-            + habit.swing * value_noise(along * 0.11, 0, tip.seed)
-            + restless * habit.wriggle * value_noise(along * 0.42, 0, tip.seed ^ 1)
-            + restless * 0.6 * habit.wriggle * value_noise(along * 1.1, 0, tip.seed ^ 2);
+        let heading = inward + tip.deviation(habit);
+        let along = tip.along;
         let next = [
             tip.at[0] + STEP_DEG * heading.cos(),
             tip.at[1] + STEP_DEG * heading.sin(),
@@ -198,38 +214,53 @@ fn grow_branch(
         // Vessels fade in from the depth at their source and out at their tip.
         let ends = smoothstep(0.0, 5.0, along).max(tip.generation.min(1) as f32)
             * smoothstep(0.0, 0.35, tip.left_deg / whole);
-        let filled = 0.75 + 0.35 * value_noise(along * 0.25, 0, tip.seed ^ 4);
+        let filled = 0.75 + 0.25 * value_noise(along * 0.25, 0, tip.seed ^ 4);
         // They thin towards the limbus.
         let radius_mm = tip.radius_mm * (0.45 + 0.55 * smoothstep(LIMBUS_DEG, 72.0, distance));
         blood.draw(tip.at, next, radius_mm, habit, ends * filled * habit.gain);
         tip.at = next;
         tip.left_deg -= STEP_DEG;
-        along += STEP_DEG;
+        tip.along += STEP_DEG;
         tip.since += STEP_DEG;
         if tip.generation < 4 && dice.unit() < habit.branching * STEP_DEG {
-            waiting.push(fork(&mut tip, dice));
+            waiting.push(fork(&mut tip, dice, habit));
         }
     }
 }
 
+impl Tip {
+    /// How far it is turned from the way to the limbus, rad. It winds, and goes there all the same: no vessel turns back.
+    fn deviation(&self, habit: &Habit) -> f32 {
+        let noise =
+            |per_deg: f32, which: u32| value_noise(self.along * per_deg, 0, self.seed ^ which);
+        let restless = 0.35 + 0.65 * smoothstep(-0.5, 0.6, noise(0.08, 3));
+        let winds = habit.swing * noise(0.11, 0)
+            + restless * habit.wriggle * (noise(0.42, 1) + 0.6 * noise(1.1, 2));
+        // A daughter leaves as its fork says, and winds by itself only as it goes on.
+        let own = 1.0 - (-self.along / WINDS_FROM_DEG).exp();
+        let turned = self.turned * (-self.since / FORK_STRAIGHTENS_DEG).exp();
+        (turned + own * winds).clamp(-MOST_TURNED, MOST_TURNED)
+    }
+}
+
 /// Splits a tip by Murray's law; the thinner daughter is returned, the other goes on.
-fn fork(tip: &mut Tip, dice: &mut HashStream) -> Tip {
+fn fork(tip: &mut Tip, dice: &mut HashStream, habit: &Habit) -> Tip {
     let share = dice.range(0.15, 0.5);
     let side = if dice.unit() < 0.5 { -1.0 } else { 1.0 };
     let bend = side * dice.range(0.4, 1.1);
-    let straightened = (-tip.since / FORK_STRAIGHTENS_DEG).exp();
-    tip.turned *= straightened;
-    tip.since = 0.0;
     let daughter = Tip {
-        turned: tip.turned + bend,
+        turned: tip.deviation(habit) + bend,
+        since: 0.0,
+        along: 0.0,
         radius_mm: tip.radius_mm * share.cbrt(),
         left_deg: tip.left_deg * dice.range(0.3, 0.9),
         seed: dice.next_u32(),
         generation: tip.generation + 1,
         ..*tip
     };
+    tip.turned = tip.turned * (-tip.since / FORK_STRAIGHTENS_DEG).exp() - 0.3 * bend;
+    tip.since = 0.0;
     tip.radius_mm *= (1.0 - share).cbrt();
-    tip.turned -= 0.3 * bend;
     daughter
 }
 
@@ -249,7 +280,8 @@ impl Blood {
         let sigma = sigma_deg * texels_per_deg;
         let half = size as f32 * 0.5;
         // So many round dabs a step that nobody can count them.
-        let dabs = (STEP_DEG / (0.7 * sigma_deg)).ceil().max(1.0);
+        let long = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let dabs = (long / (0.7 * sigma_deg)).ceil().max(1.0);
         for dab in 0..dabs as u32 {
             let along = (dab as f32 + 0.5) / dabs;
             let at = |k: usize| from[k] + (to[k] - from[k]) * along;
@@ -257,7 +289,7 @@ impl Blood {
                 at(0) * texels_per_deg + half - 0.5,
                 half - at(1) * texels_per_deg - 0.5,
             ];
-            self.dab(centre, sigma, peak / dabs, size, habit.deep);
+            self.dab(centre, sigma, peak * long / dabs, size, habit.deep);
         }
     }
 
@@ -265,7 +297,7 @@ impl Blood {
     fn dab(&mut self, centre: [f32; 2], sigma: f32, peak: f32, size: usize, deep: bool) {
         let texels_per_deg = size as f32 / (2.0 * MAP_EDGE_DEG);
         // Each carries its step's share of the line.
-        let share = STEP_DEG * texels_per_deg / (sigma * (TAU).sqrt());
+        let share = texels_per_deg / (sigma * TAU.sqrt());
         let reach = 2.6 * sigma;
         let limit = size as f32 - 1.0;
         let span = |c: f32| {
@@ -290,5 +322,65 @@ impl Blood {
                 layer[y * size + x] += peak * share * fall;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn habit() -> Habit {
+        Habit {
+            swing: 0.75,
+            wriggle: 0.85,
+            branching: 0.05,
+            stop_deg: LIMBUS_DEG,
+            blur_deg: 0.03,
+            deep: false,
+            gain: 1.0,
+        }
+    }
+
+    /// A tip that has just begun here, and everything that grows out of it: how far each step brings it nearer, and how each fork parts.
+    #[test]
+    fn vessels_wind_to_the_limbus_and_fork_as_they_are_told() {
+        let habit = habit();
+        let (mut forks, mut turned) = (Vec::new(), 0.0_f32);
+        for seed in 0..300 {
+            let mut dice = HashStream::new(seed, 7);
+            let mut tip = tip_at(&mut dice, 0.3, 95.0, 0.03, 70.0);
+            let mut from = 95.0_f32;
+            while from > LIMBUS_DEG {
+                let off = tip.deviation(&habit);
+                turned = turned.max(off.abs());
+                // By the law of cosines, inwards.
+                let next =
+                    (from * from + STEP_DEG * STEP_DEG - 2.0 * from * STEP_DEG * off.cos()).sqrt();
+                assert!(next < from, "{seed}: {from}");
+                from = next;
+                tip.along += STEP_DEG;
+                tip.since += STEP_DEG;
+                if dice.unit() < 0.02 {
+                    let before = tip.deviation(&habit);
+                    let daughter = fork(&mut tip, &mut dice, &habit);
+                    forks.push((daughter.deviation(&habit) - before).abs());
+                    let goes_on = (tip.deviation(&habit) - before).abs();
+                    assert!(goes_on < 0.34, "{goes_on}");
+                    assert!(tip.radius_mm > daughter.radius_mm);
+                }
+            }
+        }
+        assert!(turned > 1.0, "they wind: {turned}");
+        // Between 0.4 and 1.1 rad, less where the most that a vessel is turned cuts it.
+        let within = forks
+            .iter()
+            .filter(|bend| (0.39..1.11).contains(*bend))
+            .count();
+        assert!(forks.iter().all(|bend| *bend < 1.11));
+        assert!(
+            within as f32 > 0.85 * forks.len() as f32,
+            "{within} of {}",
+            forks.len()
+        );
     }
 }

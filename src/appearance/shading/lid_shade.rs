@@ -14,8 +14,6 @@ use glam::DVec3;
 pub struct LidShade {
     /// To the patient's right, mm.
     pub aside: f64,
-    /// Share of any lamp that the lower lid's edge leaves.
-    pub contact: f64,
     /// Height of the upper margin over the place, mm.
     pub upper_gap: f64,
     /// Height of the place over the lower margin, mm.
@@ -40,7 +38,6 @@ pub fn lid_shade(span: &LidSpan, part: f64, p: DVec3) -> LidShade {
     let lower = p.y - between(span.lower, span.lower_next);
     LidShade {
         aside: p.x,
-        contact: 1.0 - 0.4 * (-lower.max(0.0) / 0.5).exp(),
         upper_gap: between(span.upper, span.upper_next) - p.y,
         lower_gap: lower,
     }
@@ -51,16 +48,23 @@ pub const LID_EDGE_MM: f64 = 1.3;
 /// How far (mm) an edge stands beyond the one that touches the globe: a margin looks to the other and forward, and from the front half a
 /// millimetre of it is seen (a choice).
 pub const LID_EDGE_UP_MM: f64 = 0.5;
-/// How soft (mm) the shadow's edge is (a choice).
+/// How soft (mm) the edges of their shadows are: the upper lid's is rounded, the lower one's sharp (choices).
 const LID_EDGE_SOFT_MM: f64 = 1.2;
+const LOWER_EDGE_SOFT_MM: f64 = 0.5;
+/// Where the lids' edges look to in the mean: forward and, as the upper one stands further out, down.
+pub const LIDS_FACE: DVec3 = DVec3::new(0.0, -0.406_138_5, -0.913_811_5);
 
 /// How much of a lamp of angular radius `radius` (rad) in the unit direction `light` (head frame) the lids leave where
-/// that is their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands, and its lashes throw theirs below it,
-/// which the lamp's width (a disc's spread is half of its radius) and the tissue blur.
+/// that is their shade: the shadow of the upper lid's edge falls the lower, the higher the lamp stands, that of the lower one's the higher,
+/// the lower it stands, and the upper lashes throw theirs, which the lamp's width (a disc's spread is half of its radius) and the
+/// tissue blur.
 pub fn lid_lamp(shade: &LidShade, light: DVec3, radius: f64) -> f64 {
-    let rise = (light.y / (-light.z).max(0.2)).clamp(-2.0, 3.0);
+    let rise = (light.y / (-light.z).max(0.2)).clamp(-3.0, 3.0);
     let below = shade.upper_gap - (LID_EDGE_MM * rise - LID_EDGE_UP_MM).max(0.0);
-    let soft = LID_EDGE_SOFT_MM + LID_EDGE_MM * radius.min(1.0);
+    let above = shade.lower_gap - (-LID_EDGE_MM * rise - LID_EDGE_UP_MM).max(0.0);
+    let wide = LID_EDGE_MM * radius.min(1.0);
+    let soft = LID_EDGE_SOFT_MM + wide;
+    let lower_soft = LOWER_EDGE_SOFT_MM + wide;
     let lashes = lashes_left(
         shade.aside,
         light,
@@ -68,7 +72,7 @@ pub fn lid_lamp(shade: &LidShade, light: DVec3, radius: f64) -> f64 {
         LASH_SHADOW_MM,
         0.35 * radius,
     );
-    smoothstep(-soft, soft, below) * shade.contact * lashes
+    smoothstep(-soft, soft, below) * smoothstep(-lower_soft, lower_soft, above) * lashes
 }
 
 /// How far (mm) light goes aside in the tissue on which a lash's shadow falls: the spread of a vessel's (`SHADOW_MM` of the white).
@@ -82,7 +86,7 @@ fn edge_sine(up: f64, before: f64, tilt: f64) -> f64 {
         let far = (up * up + before * before).max(1e-6).sqrt();
         ((up * upright - before * tilt) / far).clamp(-1.0, 1.0)
     } else {
-        up.signum()
+        if up < 0.0 { -1.0 } else { 1.0 }
     }
 }
 
@@ -106,9 +110,9 @@ fn sky_to(s: f64, [even, along, up]: [DVec3; 3], [along2, up2, both]: [DVec3; 3]
 }
 
 /// Irradiance / π that comes from the surroundings (factors of [`super::surroundings::ambient_basis`]) past the lids and lashes to a place of the
-/// globe of normal `n` (head frame), whose shade this is, and what the lids send on of the rest. The lids' edges count as straight and level;
+/// globe of normal `n` (head frame), whose shade this is, and what the lids send on, whose radiance is `lids`. The lids' edges count as straight and level;
 /// past such edges the integral is exact for radiance of the second degree and less, of which these factors are.
-pub fn lid_sky(ambient: &[Vec4; 9], shade: &LidShade, n: DVec3) -> DVec3 {
+pub fn lid_sky(ambient: &[Vec4; 9], shade: &LidShade, n: DVec3, lids: DVec3) -> DVec3 {
     let upper = edge_sine(shade.upper_gap + LID_EDGE_UP_MM, LID_EDGE_MM, n.y);
     let lower = edge_sine(-shade.lower_gap - LID_EDGE_UP_MM, LID_EDGE_MM, n.y).min(upper);
     // What lies between them and the upper edge comes past the lashes.
@@ -126,7 +130,7 @@ pub fn lid_sky(ambient: &[Vec4; 9], shade: &LidShade, n: DVec3) -> DVec3 {
     ];
     let to = |s: f64| sky_to(s, first, second);
     let sky = to(lashes).lerp(to(upper), passed) - to(lower);
-    sky.max(DVec3::ZERO) + LIDS_SEND * (1.0 - open) * factors[0]
+    sky.max(DVec3::ZERO) + LIDS_SEND * (1.0 - open) * lids
 }
 
 /// The part of the first degree along `d`.
@@ -143,20 +147,19 @@ fn crossing(factors: &[DVec3; 9], a: DVec3, b: DVec3) -> DVec3 {
         + factors[8] * (a.x * b.x - a.y * b.y)
 }
 
-/// What lids send on of the light that they keep from the eye, against what would have come there: their edges and the lashes see half of the
-/// sky, and skin sends back about half of that.
-const LIDS_SEND: f64 = 0.25;
+/// What of the lids' own radiance their edges and lashes have, which see half of the light (a choice).
+pub const LIDS_SEND: f64 = 0.5;
 
 /// How much of the sky the lids leave to a place of the iris, `depth` mm behind their edges in an aqueous of this `index`, whose shade this is:
 /// light comes there from all of the sky through a cone, of which an edge hides a half and more where it hangs before the place.
+/// Of the rest they send on.
 pub fn lid_sky_within(shade: &LidShade, depth: f64, index: f64) -> f64 {
     // The share of a sky's irradiance that is not behind a straight edge, by the sine of how far up it is seen.
     let open = |gap: f64| {
         let sine = gap / (gap * gap + depth * depth).sqrt().max(0.1);
         0.5 + 0.5 * (index * sine).clamp(-1.0, 1.0)
     };
-    let left = (open(shade.upper_gap) + open(shade.lower_gap) - 1.0).max(0.0);
-    mix(LIDS_SEND, 1.0, left)
+    (open(shade.upper_gap) + open(shade.lower_gap) - 1.0).max(0.0)
 }
 
 #[cfg(test)]
@@ -184,13 +187,13 @@ mod tests {
             }
             let shade = LidShade {
                 aside: 0.0,
-                contact: 1.0,
                 upper_gap: gap,
                 lower_gap: 1e6,
             };
-            let exact = mix(LIDS_SEND, 1.0, f64::from(open) / f64::from(all));
+            let exact = f64::from(open) / f64::from(all);
             let ours = lid_sky_within(&shade, depth, index);
-            assert!((ours - exact).abs() < 0.03, "{gap}: {ours} {exact}");
+            // Lids send back about a quarter of what they keep, so the light differs by three quarters of that.
+            assert!(0.75 * (ours - exact).abs() < 0.03, "{gap}: {ours} {exact}");
         }
     }
 
@@ -199,29 +202,37 @@ mod tests {
     #[test]
     fn the_sky_that_lids_leave_is_that_of_all_directions_between_them() {
         let overcast = |d: DVec3| if d.y > 0.0 { 1.0 + 2.0 * d.y } else { 0.4 } / 3.0;
-        // Of the second degree.
+        // Of the second degree, in all nine factors.
         let soft = |d: DVec3| {
-            0.4 + 0.3 * d.y - 0.1 * d.z + 0.2 * d.y * d.y + 0.1 * d.y * d.z + 0.1 * d.x * d.x
+            0.5 + 0.3 * d.y - 0.1 * d.z
+                + 0.15 * d.x
+                + 0.2 * d.y * d.y
+                + 0.1 * d.y * d.z
+                + 0.1 * d.x * d.x
+                - 0.12 * d.x * d.y
+                + 0.09 * d.x * d.z
         };
         let radiance = |d: DVec3| DVec3::new(soft(d), overcast(d), 0.0);
         let around = Surroundings::new(256, radiance, |_| DVec3::ZERO, Vec::new());
         let ambient = around.ambient.map(|c| c.extend(0.0));
         let passed = 1.0 - LASH_DARK * LASH_SHARE;
+        let lids = DVec3::new(0.3, 0.2, 0.0);
         let mut worst = DVec3::ZERO;
-        for (rise_deg, gaps) in [
-            (0.0_f64, [4.0, 6.0]),
-            (15.0, [0.5, 9.0]),
-            (20.0, [0.0, 10.0]),
-            (15.0, [2.0, 8.0]),
-            (-15.0, [8.0, 2.0]),
-            (-20.0, [9.0, 0.3]),
-            (10.0, [-1.5, 9.0]),
+        for (aside_deg, rise_deg, gaps) in [
+            (0.0_f64, 0.0_f64, [4.0, 6.0]),
+            (40.0, 15.0, [0.5, 9.0]),
+            (0.0, 20.0, [0.0, 10.0]),
+            (-35.0, 15.0, [2.0, 8.0]),
+            (50.0, -15.0, [8.0, 2.0]),
+            (0.0, -20.0, [9.0, 0.3]),
+            (-20.0, 10.0, [-1.5, 9.0]),
         ] {
             let (sin, cos) = rise_deg.to_radians().sin_cos();
-            let n = DVec3::new(0.0, sin, -cos);
+            let (aside, ahead) = aside_deg.to_radians().sin_cos();
+            let n = DVec3::new(cos * aside, sin, -cos * ahead);
+            let forward = DVec3::new(aside, 0.0, -ahead);
             let shade = LidShade {
                 aside: 0.0,
-                contact: 1.0,
                 upper_gap: gaps[0],
                 lower_gap: gaps[1],
             };
@@ -233,24 +244,28 @@ mod tests {
                     let (s, c) = (f64::from(j) / f64::from(count) * PI).sin_cos();
                     let d = DVec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z);
                     let cosine = d.dot(n).max(0.0);
-                    let edge = |up: f64| d.y * LID_EDGE_MM - (-d.z) * (up + LID_EDGE_UP_MM);
-                    let below = edge(gaps[0]) < 0.0 || (-d.z < 0.0 && d.y < 0.0);
-                    let above = d.y * LID_EDGE_MM + (-d.z) * (gaps[1] + LID_EDGE_UP_MM) > 0.0;
-                    let lashes = if d.y > -d.z * lash_rise(gaps[0]) {
-                        passed
-                    } else {
-                        1.0
+                    // Edges lie level across the normal's way: a ray passes below one that is higher where the ray has come as far forward.
+                    let (up, far) = (d.y, d.dot(forward));
+                    let under = |high: f64, before: f64| up * before < far * high;
+                    let below =
+                        under(gaps[0] + LID_EDGE_UP_MM, LID_EDGE_MM) && (far > 0.0 || up < 0.0);
+                    let above =
+                        !under(-gaps[1] - LID_EDGE_UP_MM, LID_EDGE_MM) || (far < 0.0 && up > 0.0);
+                    let behind = !under(lash_rise(gaps[0]), 1.0);
+                    let open = match (below && above, behind) {
+                        (false, _) => 0.0,
+                        (true, true) => passed,
+                        (true, false) => 1.0,
                     };
-                    let open = if below && above { lashes } else { 0.0 };
                     all += cosine;
                     sky += cosine * open * radiance(d);
                     left += cosine * open;
                 }
             }
             let (sky, open) = (sky / all, left / all);
-            let even = ambient[0].truncate().as_dvec3();
-            let exact = sky + LIDS_SEND * (1.0 - open) * even;
-            let ours = lid_sky(&ambient, &shade, n);
+            let exact = sky + LIDS_SEND * (1.0 - open) * lids;
+            let ours = lid_sky(&ambient, &shade, n, lids);
+            println!("{rise_deg} {gaps:?}: {ours:.4} {exact:.4}, open {open:.3}");
             worst = worst.max((ours - exact).abs());
         }
         // The first is the sum's own error; the second that of nine factors of a sky with a horizon.
@@ -269,11 +284,19 @@ mod tests {
             let half = (0..4000).map(|i| f64::from(i) * 0.002 - 3.0).find(|gap| {
                 let shade = LidShade {
                     aside: 0.0,
-                    contact: 1.0,
                     upper_gap: *gap,
                     lower_gap: 9.0,
                 };
                 lid_lamp(&shade, light, 0.1) / lashes(&shade, light) >= 0.5
+            });
+            // The lower lid, whose edges are where the upper's are, mirrored.
+            let half_above = (0..4000).map(|i| f64::from(i) * 0.002 - 3.0).find(|gap| {
+                let shade = LidShade {
+                    aside: 0.0,
+                    upper_gap: 9.0,
+                    lower_gap: *gap,
+                };
+                lid_lamp(&shade, DVec3::new(0.0, -sin, -cos), 0.1) >= 0.5
             });
             // From there up to the edge, as the lamp's ray goes; or where the lid touches.
             let edge = LID_EDGE_MM * elevation_deg.to_radians().tan() - LID_EDGE_UP_MM;
@@ -282,6 +305,33 @@ mod tests {
                 (half.expect("a border") - edge).abs() < 0.005,
                 "{elevation_deg}"
             );
+            if elevation_deg >= 0.0 {
+                assert!((half_above.expect("a border") - edge).abs() < 0.005);
+            }
         }
+    }
+
+    /// A small lamp throws each lash's shadow, a wide one that of all.
+    #[test]
+    fn lashes_throw_their_shadow() {
+        let light = DVec3::new(0.0, 0.88, -0.475);
+        let along = |radius: f64| {
+            let left = (0..200).map(move |k| {
+                let shade = LidShade {
+                    aside: 0.02 * f64::from(k),
+                    upper_gap: 2.5,
+                    lower_gap: 8.0,
+                };
+                lid_lamp(&shade, light, radius)
+            });
+            let (low, high) = left.fold((9.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+            high - low
+        };
+        assert!(
+            along(0.01) > 0.1 && along(0.6) < 0.02,
+            "{} {}",
+            along(0.01),
+            along(0.6)
+        );
     }
 }

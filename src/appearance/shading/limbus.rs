@@ -38,18 +38,16 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
     limbus_radius + (r - limbus_radius) * (0.9 / width.max(1e-3))
 }
 
-/// How much narrower the transition is where it is narrowest (a choice: in photographs it changes along the limbus by a third
-/// over one to three millimetres).
-const LIMBUS_UNEVEN: f64 = 0.4;
+/// How much narrower the transition is where it is narrowest (a choice: it changes along the limbus over one to four millimetres).
+const LIMBUS_UNEVEN: f64 = 0.22;
 
 /// Width of the transition at a place (mm from the axis), against 0.9 mm: above and below the sclera goes further over the cornea,
 /// whose vertical diameter looks a millimetre less, and here and there less far; `own` (rad) makes it that of this eye.
 pub fn limbus_width(at: DVec2, own: f64) -> f64 {
     let sine = at.y / at.length().max(1e-3);
-    let waves = (1.7 * at.x + own).sin()
-        + (2.3 * at.y - 1.3 * own).sin()
-        + (5.3 * at.x + 3.1 * at.y + 2.0 * own).sin();
-    widest(sine) * (1.0 - LIMBUS_UNEVEN * (0.5 + waves / 6.0))
+    let broad = (1.1 * at.x + own).sin() + (1.5 * at.y - 1.3 * own).sin();
+    let waves = broad + 0.6 * (2.9 * at.x + 1.7 * at.y + broad + 2.0 * own).sin();
+    widest(sine) * (1.0 - LIMBUS_UNEVEN * (0.5 + waves / 5.2))
 }
 
 /// The most that it can be in this direction (`sine` of the angle to the horizontal).
@@ -66,17 +64,17 @@ pub fn clear_cornea_mm(limbus_radius: f64) -> f64 {
 /// nearly white there, and the limbus' own rim before it is clear).
 pub const ARCUS_DENSEST: f64 = 0.3;
 
-/// Width of the clear rim about it, mm, within the limbus' own edge, which reaches 0.3 to 0.6 mm in (the lucid interval of Vogt; a choice of
-/// its width).
-const ARCUS_CLEAR_MM: f64 = 0.45;
+/// Width of the clear rim about it, mm, within the limbus' own edge, of which the last tenth is hardly seen (the lucid interval of Vogt; a choice
+/// of its width).
+const ARCUS_CLEAR_MM: f64 = 0.12;
 
 /// Density of the lipid of an arcus at a place of the cornea, `r` mm from the axis: a ring with a clear rim outside it,
-/// which comes first above and below; `lipid` 0 to 1.
-pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64) -> f64 {
-    let inside = limbus_radius - r;
-    let wide = 0.6 + 1.1 * lipid;
+/// within the limbus of this `width` ([`limbus_width`]), which comes first above and below; `lipid` 0 to 1.
+pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64, width: f64) -> f64 {
+    let inside = limbus_radius - r - 0.55 * width;
+    let wide = 0.5 + 0.6 * lipid;
     let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside)
-        * smoothstep(wide + 1.0, ARCUS_CLEAR_MM + 0.35 * wide, inside);
+        * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
     let first = smoothstep(0.0, 0.5, lipid);
     let last = 0.65 * smoothstep(0.15, 0.85, lipid);
     ring * (last + (first - last) * sine * sine)
@@ -124,21 +122,39 @@ mod tests {
             all.iter().sum::<f64>() / all.len() as f64
         };
         assert!(mean(90.0) > 1.3 * mean(0.0) && mean(270.0) > 1.3 * mean(180.0));
-        let (one, other) = (widths(0.3, 180.0), widths(2.0, 180.0));
+        let around = |own: f64| -> Vec<f64> {
+            let turns = (0..360).map(|k| DVec2::from_angle(f64::from(k).to_radians()));
+            turns
+                .map(|turn| limbus_width(5.85 * turn, own) / widest(turn.y))
+                .collect()
+        };
+        let (one, other) = (around(0.3), around(2.0));
         let spread = |w: &[f64]| {
             w.iter().fold(0.0_f64, |m, v| m.max(*v)) / w.iter().fold(9.0_f64, |m, v| m.min(*v))
         };
         assert!(spread(&one) > 1.1 && spread(&other) > 1.1);
-        assert!(one.iter().zip(&other).any(|(a, b)| (a - b).abs() > 0.1));
+        assert!(one.iter().zip(&other).any(|(a, b)| (a - b).abs() > 0.08));
     }
 
     #[test]
     fn an_arcus_begins_above_and_below_and_leaves_the_rim_clear() {
-        let at = |inside: f64, sine: f64, lipid: f64| arcus_share(5.85 - inside, sine, 5.85, lipid);
+        let width = |sine: f64| 0.89 * widest(sine);
+        let at = |inside: f64, sine: f64, lipid: f64| {
+            arcus_share(5.85 - inside, sine, 5.85, lipid, width(sine))
+        };
         assert_eq!(at(0.7, 1.0, 0.0), 0.0);
-        assert!(at(0.8, 1.0, 0.15) > 0.05 && at(0.8, 0.0, 0.15) == 0.0);
-        // The lucid interval, the ring, the clear middle.
-        assert!(at(0.44, 1.0, 1.0) == 0.0 && at(0.5, 1.0, 1.0) < 0.2 * at(0.9, 1.0, 1.0));
-        assert!(at(1.0, 0.0, 1.0) > 0.5 && at(1.0, 1.0, 1.0) > 0.8 && at(2.8, 0.0, 1.0) == 0.0);
+        assert!(at(1.1, 1.0, 0.15) > 0.05 && at(1.0, 0.0, 0.15) == 0.0);
+        // The lucid interval, which ends past where the limbus' own haze does, the ring, the clear middle.
+        for sine in [0.0, 1.0] {
+            let haze = |inside: f64| {
+                1.0 - limbus_share(limbus_place(5.85 - inside, 5.85, 0.9 * width(sine)), 5.85)
+            };
+            let clear = (0..200)
+                .map(|k| 0.01 * f64::from(k))
+                .find(|inside| haze(*inside) < 0.05 && at(*inside, sine, 1.0) < 0.15);
+            let clear = clear.expect("a clear rim");
+            assert!(at(clear + 0.5, sine, 1.0) > 0.5, "{sine}: {clear}");
+        }
+        assert!(at(1.2, 0.0, 1.0) > 0.5 && at(1.4, 1.0, 1.0) > 0.8 && at(2.4, 0.0, 1.0) == 0.0);
     }
 }

@@ -2,7 +2,6 @@
 //! Twin: `shaders/lib/sclera_shade.wgsl`.
 
 use super::footprint::footprint_level;
-use super::lid_shade::LidShade;
 use super::surroundings::wrapped_cosines;
 use crate::appearance::images::MapView;
 use crate::optics::smoothstep::smoothstep;
@@ -21,6 +20,8 @@ pub struct ScleraSurface {
     pub normal: DVec3,
     /// Normal of the tissue as its diffuse light shows it.
     pub soft: DVec3,
+    /// Variance of its slopes along an axis that a pixel does not see.
+    pub unseen: f64,
 }
 
 /// Place in the map of a point of the globe.
@@ -38,22 +39,48 @@ pub const EPISCLERAL_DEPTH_MM: f64 = 0.15;
 /// [`crate::tissue::sclera::sclera_scattering`].
 pub const SHADOW_MM: f64 = 0.3;
 
-/// The normal with the relief of the map, from how much higher (mm) it is a step (mm) to the right and above.
-pub fn sclera_normal(normal: DVec3, right: f64, above: f64, step: f64) -> DVec3 {
-    (normal - (DVec2::new(right, above) / step).extend(0.0)).normalize()
+/// The normal at `p` with relief that rises so fast (in the map, to the right and up): outwards from the front as fast on the globe, around it
+/// faster, as the map spreads what lies there.
+pub fn sclera_normal(normal: DVec3, p: DVec3, rise: DVec2) -> DVec3 {
+    let n = p.normalize();
+    let across = n.truncate().length();
+    let away = if across > 1e-6 {
+        n.truncate() / across
+    } else {
+        DVec2::X
+    };
+    let angle = (-n.z).clamp(-1.0, 1.0).acos();
+    let spread = if across > 1e-3 { angle / across } else { 1.0 };
+    let outward = (-n.z * away).extend(across);
+    let around = away.perp();
+    let along = rise.dot(around) * spread.min(4.0);
+    (normal - rise.dot(away) * outward - along * around.extend(0.0)).normalize()
 }
 
 /// Share of the relief's slopes that diffuse light shows: it travels further than most of them are wide (a choice).
 const WHITE_SOFT: f64 = 0.3;
 /// Spread of the slopes of the relief of the wet white along an axis, rad, and the width of a pixel that no longer sees half of their
 /// variance, mm: of the map's, a test of which holds them.
-const WHITE_SLOPES: f64 = 0.057;
-const WHITE_SLOPES_MM: f64 = 0.105;
+const WHITE_SLOPES: f64 = 0.044;
+const WHITE_SLOPES_MM: f64 = 0.12;
 
 /// Variance of the slopes of the wet white along an axis that a pixel of this footprint (mm) does not see one by one.
 pub fn unseen_slopes(footprint: f64) -> f64 {
-    let wide = footprint / WHITE_SLOPES_MM;
-    WHITE_SLOPES * WHITE_SLOPES * (1.0 - 1.0 / (1.0 + wide * wide))
+    let wide = (footprint.max(0.0) / WHITE_SLOPES_MM).powf(1.6);
+    WHITE_SLOPES * WHITE_SLOPES * (1.0 - 1.0 / (1.0 + wide))
+}
+
+/// Roughness of a surface whose own is this and whose slopes vary by `unseen` more along an axis: variances add, and that of GGX's slopes is half of
+/// the fourth power of the roughness.
+pub fn white_rough(own: f64, unseen: f64) -> f64 {
+    (own.powi(4) + 2.0 * unseen).sqrt().sqrt()
+}
+
+/// How far (rad) a surface of this roughness spreads what it mirrors, as [`super::surroundings::surroundings_radiance`] counts it, whose texels are
+/// twice as wide as this: a slope turns what is mirrored by twice itself (√2 of the square of the roughness), and an even width w has a spread
+/// of w/√12.
+pub fn mirror_spread(roughness: f64) -> f64 {
+    2.45 * roughness * roughness
 }
 
 /// What vessels with columns of blood of `column` mm in the mean leave of white light, linear sRGB: green by Beer's law, red and
@@ -91,12 +118,6 @@ pub fn vessel_filter(shallow: f64, shadow: f64, deep: f64, above: DVec3) -> DVec
 /// surface, red furthest.
 pub fn sclera_lamp(cosine: f64) -> DVec3 {
     wrapped_cosines(cosine, DVec3::new(0.42, 0.30, 0.24))
-}
-
-/// What the lids reflect back is warm, most of it near their margins.
-pub fn sclera_lid_bounce(shade: &LidShade) -> DVec3 {
-    let near_lid = (-shade.upper_gap.min(shade.lower_gap).max(0.0) / 1.1).exp();
-    DVec3::ONE.lerp(DVec3::new(1.05, 0.86, 0.80), near_lid * 0.8)
 }
 
 /// What the conjunctiva leaves of the light from the `white` below it, by Beer and Lambert: all of it where it is thin and
@@ -170,16 +191,16 @@ pub fn sclera_surface(
     let step = 1.5 * lod.round_ties_even().exp2() / side;
     let [shallow, _, here, _] = vessels.sample(uv, lod);
     let height = |x: f64, y: f64| vessels.sample(uv + DVec2::new(x, y) * step, lod)[2] - here;
-    let rise = DVec2::new(height(1.0, 0.0), height(0.0, 1.0));
-    let run = step * side * texel;
+    let rise = DVec2::new(height(1.0, 0.0), height(0.0, 1.0)) / (step * side * texel);
     let shift = view_shift(normal, v, EPISCLERAL_DEPTH_MM);
     let deep = vessels.sample(sclera_uv(p + shift), lod)[1];
     let shadow = vessels.sample(uv, lod.max((SHADOW_MM / texel).log2()))[0];
     let [r, g, b, _] = colors.sample(uv, (lod - 2.0).max(0.0));
     ScleraSurface {
         albedo: DVec3::new(r, g, b) * vessel_filter(shallow, shadow, deep, above),
-        normal: sclera_normal(normal, rise.x, rise.y, run),
-        soft: sclera_normal(normal, WHITE_SOFT * rise.x, WHITE_SOFT * rise.y, run),
+        normal: sclera_normal(normal, p, rise),
+        soft: sclera_normal(normal, p, WHITE_SOFT * rise),
+        unseen: unseen_slopes(footprint.max(texel)),
     }
 }
 

@@ -2,6 +2,7 @@
 //! eye that looks. Twin: `shaders/lib/tear_reflection.wgsl`.
 
 use super::lash_comb::lashes_left;
+use super::lid_shade::{LID_EDGE_MM, LID_EDGE_UP_MM, LidShade};
 use super::surroundings::past_head;
 use crate::optics::fresnel::fresnel_dielectric;
 use crate::optics::smoothstep::smoothstep;
@@ -16,58 +17,46 @@ pub fn lashes_pass(x: f64, r: DVec3, upper_gap: f64, footprint: f64) -> f64 {
     lashes_left(x, r, upper_gap, footprint, 2.0 * footprint / LASH_MIRROR_MM)
 }
 
-/// Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place `x` mm aside (head frame) and
-/// `upper_gap` mm below the upper lid's margin, a pixel being `footprint` mm wide: lids and lashes hide what lies above, and send back `lid_light` times
-/// what skin does. `mirrored` is the radiance from where the mirror looks.
+/// Radiance from the film over the globe, `lipid_nm` of lipid on it, at a place between the lids (`shade`), a pixel being `footprint` mm wide:
+/// lids and lashes hide what lies above and below, and send back `lids`. `mirrored` is the radiance from where the mirror looks.
 pub fn tear_reflection(
     mirrored: DVec3,
-    lid_light: DVec3,
-    n: DVec3,
-    v: DVec3,
+    lids: DVec3,
+    [n, v]: [DVec3; 2],
     lipid_nm: f64,
-    [x, upper_gap]: [f64; 2],
+    shade: &LidShade,
     footprint: f64,
 ) -> DVec3 {
     let f = tear_film_rgb(n.dot(v).clamp(0.0, 1.0), 1.48, 1.337, lipid_nm);
-    f * past_lids(
-        mirrored,
-        lid_light,
-        reflected(v, n),
-        [x, upper_gap],
-        footprint,
-    )
+    f * past_lids(mirrored, lids, reflected(v, n), shade, footprint)
 }
 
-/// Radiance from the unit direction `r` at a place `x` mm aside (head frame) and `upper_gap` mm below the upper lid's margin: what is
-/// there, or the lids before it; arguments as of [`tear_reflection`].
-fn past_lids(
-    mirrored: DVec3,
-    lid_light: DVec3,
-    r: DVec3,
-    [x, upper_gap]: [f64; 2],
-    footprint: f64,
-) -> DVec3 {
-    // The reflected ray rises by r.y for each unit forward; it meets the upper lid when that is
-    // steeper than the gap allows.
+/// How soft the lids' edges are as they are mirrored, of how steep a ray is (a choice).
+const LID_MIRROR_SOFT: f64 = 0.35;
+
+/// Radiance from the unit direction `r` at a place between the lids: what is there, or the lids before it; arguments as of
+/// [`tear_reflection`].
+fn past_lids(mirrored: DVec3, lids: DVec3, r: DVec3, shade: &LidShade, footprint: f64) -> DVec3 {
+    // The ray rises by r.y for each unit forward; it meets a lid where that is steeper than its edge.
     let rise = r.y / DVec2::new(r.x, r.z).length().max(0.05);
-    let lid = smoothstep(-0.35, 0.35, upper_gap * 0.42 + 0.25 - rise);
-    let skin = DVec3::new(0.45, 0.27, 0.20) * lid_light;
-    skin.lerp(
-        mirrored * lashes_pass(x, r, upper_gap, footprint),
-        lid * past_head(r),
+    let edge = |gap: f64| (gap + LID_EDGE_UP_MM) / LID_EDGE_MM;
+    let soft = |off: f64| smoothstep(-LID_MIRROR_SOFT, LID_MIRROR_SOFT, off);
+    let past = soft(edge(shade.upper_gap) - rise) * soft(edge(shade.lower_gap) + rise);
+    lids.lerp(
+        mirrored * lashes_pass(shade.aside, r, shade.upper_gap, footprint),
+        past * past_head(r),
     )
 }
 
 /// Radiance from the meniscus along the lids, a clear thread of tears; arguments as of [`tear_reflection`].
 pub fn meniscus_reflection(
     mirrored: DVec3,
-    lid_light: DVec3,
-    n: DVec3,
-    v: DVec3,
-    place: [f64; 2],
+    lids: DVec3,
+    [n, v]: [DVec3; 2],
+    shade: &LidShade,
     footprint: f64,
 ) -> DVec3 {
-    let seen = past_lids(mirrored, lid_light, reflected(v, n), place, footprint);
+    let seen = past_lids(mirrored, lids, reflected(v, n), shade, footprint);
     seen * fresnel_dielectric(n.dot(v).max(0.0), 1.0, 1.337)
 }
 

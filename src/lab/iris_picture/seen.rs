@@ -13,7 +13,9 @@ use crate::appearance::shading::iris_relief::{
 use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
-use crate::appearance::shading::lid_shade::{LidShade, lid_lamp, lid_sky_within, lids_at};
+use crate::appearance::shading::lid_shade::{
+    LIDS_FACE, LIDS_SEND, LidShade, lid_lamp, lid_sky_within, lids_at,
+};
 use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
 use crate::appearance::shading::near_light::{
     beam_gathers, beam_on, crosses_plane, iris_near_lamp, light_entry,
@@ -272,9 +274,14 @@ impl IrisPicture {
         let n = (self.head_from_eye * normal + tears.tilt.extend(0.0)).normalize();
         let blur = CORNEA_BLUR + BROKEN_BLUR * tears.broken;
         let around = self.mirrored(p, 2.0 * n.dot(v) * n - v, blur);
-        let beside = ambient_light(&self.illumination.ambient, DVec3::new(0.0, -0.4, -0.9));
-        let gap = [p.x, seen.shade.upper_gap];
-        let specular = tear_reflection(around, beside, n, v, tears.lipid_nm, gap, seen.footprint);
+        let specular = tear_reflection(
+            around,
+            self.lids_radiance(),
+            [n, v],
+            tears.lipid_nm,
+            &seen.shade,
+            seen.footprint,
+        );
         let haze = light * self.globe.cornea_haze.as_dvec3();
         (inside * seen.trace.transmittance + haze + specular)
             * f64::from(self.illumination.exposure)
@@ -288,8 +295,19 @@ impl IrisPicture {
         let place = surface.at.extend(depth) + self.apex();
         let before = lids_at(&self.globe.lids, self.head_from_eye * place);
         let around = ambient_light(&self.illumination.ambient, -self.head_from_eye.z_axis);
-        let around = around * lid_sky_within(&before, depth, self.aqueous());
+        let left = lid_sky_within(&before, depth, self.aqueous());
+        let around = (LIDS_SEND * self.lids_radiance()).lerp(around, left);
         [iris_ambient(&self.maps, surface, arrives) * around, around]
+    }
+
+    /// Radiance of the lids' skin.
+    fn lids_radiance(&self) -> DVec3 {
+        let even = ambient_light(&self.illumination.ambient, LIDS_FACE);
+        let lamps =
+            self.illumination.lamps.iter().map(|lamp| {
+                lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(LIDS_FACE).max(0.0)
+            });
+        self.globe.lids_color.as_dvec3() * (even + lamps.sum::<DVec3>())
     }
 
     /// The lamps that give light, their directions in the eye frame.
