@@ -117,14 +117,15 @@ fn the_fundus_shines_through_a_clear_lens_and_clouds_stand_dark_before_it() {
         let ([picture, _], _) = clouded(&mut headless, cataract);
         picture
     };
-    let by_window = shown("window", None);
-    let [x, y] = middle_of_the_dark(&by_window);
+    // The pupil is found where its room is dark: by a window it mirrors somebody, and an iris has dark places in the lids' shade.
+    let (by_window, by_penlight) = (shown("window", None), shown("penlight", None));
+    let [x, y] = middle_of_the_dark(&by_penlight);
     // Beside the lamp's own images.
     let place = [x - 12, y + 12];
     let of = |picture: &RgbaImage| color_at(picture, place, 3);
     let window = of(&by_window);
     let reflex = of(&shown("coaxial", None));
-    let aside = of(&shown("penlight", None));
+    let aside = of(&by_penlight);
     let plaque = of(&shown(
         "coaxial",
         Some(Cataract::posterior_subcapsular(5.9)),

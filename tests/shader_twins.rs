@@ -243,6 +243,7 @@ fn the_eyes_entry_files_bind_and_call() {
         functions,
         [
             "ambient",
+            "around_factors",
             "camera_from",
             "footprint_at",
             "fragment",
@@ -257,6 +258,8 @@ fn the_eyes_entry_files_bind_and_call() {
             "lamellae_through",
             "lamp_at",
             "lids_at",
+            "lids_lit",
+            "lids_radiance",
             "mirror_eye",
             "mirrored",
             "shown",

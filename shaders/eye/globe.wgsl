@@ -147,16 +147,8 @@ fn lids_radiance() -> vec3f {
 }
 
 // The surroundings' factors by degree.
-fn sky_factors() -> SkyFactors {
-    let second = array<vec3f, 5>(illumination.ambient[4].rgb, illumination.ambient[5].rgb, illumination.ambient[6].rgb, illumination.ambient[7].rgb, illumination.ambient[8].rgb);
-    let xy = 0.5 * second[0];
-    let yz = 0.5 * second[1];
-    let xz = 0.5 * second[3];
-    let linear = mat3x3f(illumination.ambient[3].rgb, illumination.ambient[1].rgb, illumination.ambient[2].rgb);
-    let xs = mat3x3f(second[4] - second[2], xy, xz);
-    let ys = mat3x3f(xy, -second[4] - second[2], yz);
-    let zs = mat3x3f(xz, yz, 2.0 * second[2]);
-    return SkyFactors(illumination.ambient[0].rgb, linear, xs, ys, zs);
+fn around_factors() -> SkyFactors {
+    return sky_factors(illumination.ambient[0].rgb, illumination.ambient[1].rgb, illumination.ambient[2].rgb, illumination.ambient[3].rgb, illumination.ambient[4].rgb, illumination.ambient[5].rgb, illumination.ambient[6].rgb, illumination.ambient[7].rgb, illumination.ambient[8].rgb);
 }
 
 // The lids' shade at a point p of the head frame.
@@ -245,7 +237,7 @@ fn through_cornea(origin: vec3f, direction: vec3f, footprint: f32, shade: LidSha
     var trace = cornea_trace(origin, direction, vec2f(globe.anterior_radius_mm, globe.anterior_p), vec2f(globe.posterior_radius_mm, globe.posterior_p), globe.thickness_mm, indices.x, indices.y, globe.iris_depth_mm + root_mm);
     if trace.valid < 0.5 {
         // What enters so far aside stays in the rim, where the sclera's lamellae begin.
-        return lamellae_reflected(1.0) * lid_sky(sky_factors(), shade, -head_from_eye()[2], lids_radiance());
+        return lamellae_reflected(1.0) * lid_sky(around_factors(), shade, -head_from_eye()[2], lids_radiance());
     }
     trace.point -= trace.direction * (root_mm / max(trace.direction.z, 0.05));
 #ifdef ARTISTIC
@@ -364,6 +356,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef CORNEA
     var sine = 0.0;
     var from_axis = 0.0;
+#ifdef ARCUS
+    var rim = 1.0;
+#endif
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let origin = camera - apex;
     let t = conicoid_intersect(origin, direction, globe.anterior_radius_mm, globe.anterior_p);
@@ -372,6 +367,9 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let r = length(hit.xy);
         sine = hit.y / max(r, 1e-3);
         from_axis = r;
+#ifdef ARCUS
+        rim = limbus_width(hit.xy, globe.lens_turn);
+#endif
         if r < globe.limbus_mm { p = hit + apex; }
 #ifdef WHITE
         let wide = limbus_width(hit.xy, globe.lens_turn);
@@ -430,7 +428,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         let n_wet = head_from_eye() * wet_normal;
         let roughness = white_rough(white_roughness * (1.0 + uneven), sclera.unseen);
         white_blur = mirror_spread(roughness);
-        var light = lid_sky(sky_factors(), shade, n_white, lids_radiance());
+        var light = lid_sky(around_factors(), shade, n_white, lids_radiance());
 #ifdef CONJUNCTIVA
         // Towards the corner it rises to the margins, and less hangs over it.
         light = mix(light, ambient(n_white) * in.tissue.a, 0.7 * in.tissue.b);
@@ -463,12 +461,11 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
 #ifdef ARCUS
         // Lipid in the rim of the stroma, lit as the white is.
         let n_cornea = head_from_eye() * normal;
-        var light = lid_sky(sky_factors(), shade, n_cornea, lids_radiance());
+        var light = lid_sky(around_factors(), shade, n_cornea, lids_radiance());
         for (var i = 0; i < LAMPS; i++) {
             let lamp = lamp_at(i, p_head);
             light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
         }
-        let rim = limbus_width(hit.xy, globe.lens_turn);
         let lipid = ARCUS_DENSEST * arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus, rim);
         through = through * lamellae_through(lipid) + lamellae_reflected(lipid) * light;
 #endif

@@ -2,7 +2,7 @@
 fn lids_lit() -> vec3<f32> {
     var light = ambient(LIDS_FACE);
     for (var i = 0; i < LAMPS; i++) {
-        light += illumination.lamps[i].color * max(dot(illumination.lamps[i].direction, LIDS_FACE), 0.0);
+        light += illumination.lamps[i].color * lids_take(illumination.lamps[i].direction);
     }
     return light;
 }

@@ -83,6 +83,19 @@ fn sky_to(s: f32, first: mat3x3f, second: mat3x3f) -> vec3f {
 // products of those (columns by x, y, z, of matrices by x, y, z).
 struct SkyFactors { even: vec3f, linear: mat3x3f, xs: mat3x3f, ys: mat3x3f, zs: mat3x3f };
 
+// They, from the factors of 1, y, z, x, xy, yz, 3zz - 1, xz and xx - yy.
+fn sky_factors(even: vec3f, y: vec3f, z: vec3f, x: vec3f, xy: vec3f, yz: vec3f, zz: vec3f, xz: vec3f, xx: vec3f) -> SkyFactors {
+    let xs = mat3x3f(xx - zz, 0.5 * xy, 0.5 * xz);
+    let ys = mat3x3f(0.5 * xy, -xx - zz, 0.5 * yz);
+    let zs = mat3x3f(0.5 * xz, 0.5 * yz, 2.0 * zz);
+    return SkyFactors(even, mat3x3f(x, y, z), xs, ys, zs);
+}
+
+// What of a lamp in this unit direction the lids' edges take.
+fn lids_take(light: vec3f) -> f32 {
+    return max(dot(light, LIDS_FACE), 0.0);
+}
+
 // Irradiance / pi that comes from the surroundings past the lids and lashes to a place of the globe of normal n (head frame), whose shade this
 // is, and what the lids send on, whose radiance is `lids`.
 fn lid_sky(around: SkyFactors, shade: LidShade, n: vec3f, lids: vec3f) -> vec3f {

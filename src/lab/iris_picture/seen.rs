@@ -14,7 +14,7 @@ use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
 use crate::appearance::shading::lid_shade::{
-    LIDS_FACE, LIDS_SEND, LidShade, lid_lamp, lid_sky_within, lids_at,
+    LIDS_FACE, LIDS_SEND, LidShade, lid_lamp, lid_sky_within, lids_at, lids_take,
 };
 use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
 use crate::appearance::shading::near_light::{
@@ -201,7 +201,11 @@ impl IrisPicture {
         let start = iris_place(landing, &self.frame);
         let p = trace.entry + self.apex();
         let footprint = pixel_footprint(p.distance(self.camera), 1.0 / self.half_field, size.y);
-        let is_iris = limbus_share(limbus_place(r, limbus, wide), limbus) >= 1.0
+        // Within a pixel of where the cornea turns away it shows what lies behind it too.
+        let anterior = self.anterior();
+        let turns = -conicoid_normal(trace.entry, anterior.x, anterior.y).dot(direction);
+        let is_iris = turns > (2.0 * footprint / anterior.x).sqrt()
+            && limbus_share(limbus_place(r, limbus, wide), limbus) >= 1.0
             && pupil_edge(start.uv, footprint, self.frame.width()) >= 1.0
             && start.uv.y < OUTERMOST;
         is_iris.then(|| SeenIris {
@@ -303,10 +307,8 @@ impl IrisPicture {
     /// Radiance of the lids' skin.
     fn lids_radiance(&self) -> DVec3 {
         let even = ambient_light(&self.illumination.ambient, LIDS_FACE);
-        let lamps =
-            self.illumination.lamps.iter().map(|lamp| {
-                lamp.color.as_dvec3() * lamp.direction.as_dvec3().dot(LIDS_FACE).max(0.0)
-            });
+        let lamps = self.illumination.lamps.iter();
+        let lamps = lamps.map(|own| own.color.as_dvec3() * lids_take(own.direction.as_dvec3()));
         self.globe.lids_color.as_dvec3() * (even + lamps.sum::<DVec3>())
     }
 
