@@ -134,7 +134,8 @@ mod tests {
             }
             let (comb, step) = (comb / all, step / all);
             println!("{gap}: {comb:.4} {step:.4}");
-            assert!((comb - step).abs() < 0.02, "{gap}: {comb} {step}");
+            // 0.0022 at the most.
+            assert!((comb - step).abs() < 0.004, "{gap}: {comb} {step}");
         }
     }
 }
