@@ -9,12 +9,21 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::face_region::{EyeRegion, PosedRegion};
-use super::hair::{HairMesh, hair_half_widths, hair_indices, hair_parameter};
+use super::hair::{HairLevel, HairMesh, HairStrips, LEVELS};
 use crate::optics::smoothstep::smoothstep;
 
-/// Points along a hair of the brow, which is straighter than a lash: there are 700 of them, so most of the vertices of an eye are
-/// theirs.
-pub const POINTS: usize = 5;
+/// Hairs that are planted.
+pub(super) const COUNT: usize = 700;
+
+/// Points along a hair of the brow, which is straighter than a lash: there are so many that most of the vertices of an eye are theirs.
+pub(super) const LEVELS_OF: [HairLevel; LEVELS] = [
+    HairLevel::new(5, 1),
+    HairLevel::new(5, 1),
+    HairLevel::new(4, 1),
+    HairLevel::new(3, 2),
+];
+/// Points that the finest has.
+const MOST_POINTS: usize = LEVELS_OF[0].points;
 
 #[derive(Clone, Copy, Debug)]
 struct BrowHair {
@@ -34,9 +43,6 @@ struct BrowHair {
 #[derive(Clone, Debug)]
 pub struct Brow {
     hairs: Vec<BrowHair>,
-    indices: Vec<u32>,
-    parameter: Vec<f32>,
-    half_widths_mm: Vec<f32>,
 }
 
 impl Brow {
@@ -68,33 +74,19 @@ impl Brow {
             let x = corners.iter().map(|&v| rest(v).x).sum::<f32>() / 3.0;
             hairs.extend((0..whole).map(|_| plant(corners, x, &mut random)));
         }
-        let planted = hairs.len();
-        Self {
-            half_widths_mm: hair_half_widths(hairs.iter().map(|hair| hair.radius_mm), POINTS),
-            hairs,
-            indices: hair_indices(planted, POINTS),
-            parameter: hair_parameter(planted, POINTS),
-        }
+        Self { hairs }
     }
 
-    /// Triangles.
-    pub fn indices(&self) -> &[u32] {
-        &self.indices
+    /// What of its mesh does not move at a level.
+    pub fn strips(&self, level: usize) -> HairStrips {
+        let radii = self.hairs.iter().map(|hair| hair.radius_mm);
+        HairStrips::new(radii, LEVELS_OF[level.min(LEVELS - 1)])
     }
 
-    /// Root (0) to tip (1) for each vertex.
-    pub fn parameter(&self) -> &[f32] {
-        &self.parameter
-    }
-
-    /// Half of the width at each vertex, mm, negative on one edge.
-    pub fn half_widths_mm(&self) -> &[f32] {
-        &self.half_widths_mm
-    }
-
-    /// Lays the hairs on the posed skin.
-    pub fn pose(&self, region: &PosedRegion, out: &mut HairMesh) {
+    /// Lays the hairs of a level on the posed skin.
+    pub fn pose(&self, region: &PosedRegion, level: usize, out: &mut HairMesh) {
         out.clear();
+        let HairLevel { points, one_of } = LEVELS_OF[level.min(LEVELS - 1)];
         let at = |list: &[[f32; 3]], hair: &BrowHair| -> Vec3 {
             let corner = |k: usize| {
                 list.get(hair.corners[k] as usize)
@@ -102,23 +94,23 @@ impl Brow {
             };
             (0..3).map(|k| corner(k) * hair.weights[k]).sum()
         };
-        for hair in &self.hairs {
+        for hair in self.hairs.iter().step_by(one_of) {
             let normal = at(&region.normals, hair).normalize_or(Vec3::NEG_Z);
             let temple = (Vec3::X - normal * normal.x).normalize_or(Vec3::X);
             let up = temple.cross(normal);
             let up = if up.y < 0.0 { -up } else { up };
             let mut p = at(&region.positions, hair) - normal * 0.1;
-            let step = hair.length_mm / (POINTS - 1) as f32;
-            let line: [Vec3; POINTS] = std::array::from_fn(|point| {
+            let step = hair.length_mm / (points - 1) as f32;
+            let line: [Vec3; MOST_POINTS] = std::array::from_fn(|point| {
                 let here = p;
-                let s = (point as f32 + 0.5) / (POINTS - 1) as f32;
+                let s = (point as f32 + 0.5) / (points - 1) as f32;
                 let (sin, cos) = (hair.rise + hair.bend * s).sin_cos();
                 // An arc over the skin: leaves it, then comes back.
                 let slope = hair.lift_mm / hair.length_mm * 4.0 * (1.0 - 1.7 * s);
                 p += (temple * cos + up * sin + normal * slope).normalize_or(temple) * step;
                 here
             });
-            out.push(&line);
+            out.push(&line[..points]);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What an eye in the world is made of: its parts' meshes, maps and materials, made when its anatomy is new or
 //! changed.
 
+use super::brow::{self, Brow};
 use super::face_region::EyeRegion;
 use super::globe_mesh::globe_meshes;
 use super::illumination::Illumination;
@@ -10,7 +11,7 @@ use super::materials::{
     GlobeMaterial, GlobePart, HairMaterial, HairUniform, MeniscusMaterial, MeniscusUniform,
     SkinMaterial, SkinUniform,
 };
-use super::mesh_fill::{brow_mesh, empty_mesh};
+use super::mesh_fill::empty_mesh;
 use super::model::{
     EyeAssets, EyeDetail, EyeModel, EyePart, EyeParts, FILLED_MM, FaceRegion, METRES_A_MM, side,
 };
@@ -193,14 +194,7 @@ impl Builder<'_, '_, '_, '_> {
         let seed = anatomy.patient.iris_seed(anatomy.eye.laterality);
         self.globe(anatomy, &shape, (illumination, &around), fine, parts);
         self.skin(anatomy, (illumination, &around), seed, parts);
-        self.hair(
-            anatomy,
-            &shape,
-            (illumination, &around),
-            seed,
-            region,
-            parts,
-        );
+        self.hair((illumination, &around), seed, region, parts);
         let tears = self.assets.tears.add(MeniscusMaterial {
             meniscus: MeniscusUniform {
                 strength: 1.0,
@@ -212,7 +206,6 @@ impl Builder<'_, '_, '_, '_> {
         parts.meniscus_mesh = self.assets.meshes.add(empty_mesh());
         parts.meniscus_material = tears.clone();
         self.add(parts.meniscus_mesh.clone(), MeshMaterial3d(tears));
-        parts.lashes = Some(Lashes::new(seed));
         parts.pose = None;
         parts.shape = Some(shape);
         parts.head_from_eye = None;
@@ -360,8 +353,6 @@ impl Builder<'_, '_, '_, '_> {
 
     fn hair(
         &mut self,
-        anatomy: &Anatomy<'_>,
-        shape: &GlobeShape,
         (illumination, around): (Illumination, &Handle<Image>),
         seed: u64,
         region: Option<&EyeRegion>,
@@ -379,10 +370,10 @@ impl Builder<'_, '_, '_, '_> {
         parts.lash_mesh = self.assets.meshes.add(empty_mesh());
         parts.hair_material = material.clone();
         self.add(parts.lash_mesh.clone(), MeshMaterial3d(material.clone()));
-        if let Some(region) = region {
-            let brow = brow_mesh(region, shape, seed, side(anatomy.eye.laterality));
-            let brow = self.assets.meshes.add(brow);
-            self.add(brow, MeshMaterial3d(material));
-        }
+        parts.lashes = Some(Lashes::new(seed));
+        parts.brow = region.map(|region| Brow::new(region, brow::COUNT, seed));
+        parts.brow_level = None;
+        parts.brow_mesh = self.assets.meshes.add(empty_mesh());
+        self.add(parts.brow_mesh.clone(), MeshMaterial3d(material));
     }
 }

@@ -5,6 +5,7 @@
 //! draws apart to the hair's width from wherever it is seen. A round hair looks the same, for it is shaded by its direction
 //! alone (Kajiya and Kay 1989). Any length unit; the eye uses mm.
 
+use super::region_parts;
 use glam::Vec3;
 
 /// Vertices at each point of a line: the ribbon's two edges.
@@ -21,40 +22,65 @@ pub struct HairMesh {
     pub along: Vec<[f32; 3]>,
 }
 
-/// Triangles of `hairs` hairs of so many points (2 or more).
-pub fn hair_indices(hairs: usize, points: usize) -> Vec<u32> {
-    let mut out = Vec::with_capacity(hairs * (points - 1) * 6);
-    for h in 0..hairs {
-        for point in 0..points - 1 {
-            let first = ((h * points + point) * EDGES) as u32;
-            let [a, b, c, d] = [0, 1, 3, 2].map(|corner| first + corner);
-            out.extend([a, b, c, a, c, d]);
-        }
+/// How finely hairs are divided: as finely as skin, and more coarsely yet where a hair is far thinner than a pixel.
+pub const LEVELS: usize = region_parts::LEVELS + 1;
+
+/// Pixels for each millimetre from which the next finer level is drawn: below the last a hair covers less than a tenth of a pixel, so that half as many
+/// of twice the width look like them.
+pub const PIXELS_A_MM: [f32; LEVELS - 1] = {
+    let [fine, coarse] = region_parts::PIXELS_A_MM;
+    [fine, coarse, 1.0]
+};
+
+/// A level of division of some hairs: how many points each has, and of how many one is drawn, which is as many times as wide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HairLevel {
+    /// Points along a hair (2 or more).
+    pub points: usize,
+    /// Of so many hairs (1 or more) one is drawn.
+    pub one_of: usize,
+}
+
+impl HairLevel {
+    /// So many points, and one of so many hairs.
+    pub const fn new(points: usize, one_of: usize) -> Self {
+        Self { points, one_of }
     }
-    out
 }
 
-/// Root (0) to tip (1) for each vertex of `hairs` hairs of so many points (2 or more).
-pub fn hair_parameter(hairs: usize, points: usize) -> Vec<f32> {
-    (0..hairs * points * EDGES)
-        .map(|i| (i / EDGES % points) as f32 / (points - 1) as f32)
-        .collect()
+/// What of a mesh of hairs does not move.
+#[derive(Clone, Debug, Default)]
+pub struct HairStrips {
+    /// Triangles.
+    pub indices: Vec<u32>,
+    /// Root (0) to tip (1) for each vertex.
+    pub parameter: Vec<f32>,
+    /// Half of the width at each vertex, negative on one of the two edges: a tenth is left at the tip.
+    pub half_widths_mm: Vec<f32>,
 }
 
-/// Half of the width at each vertex of hairs of these radii at the root and of so many points (2 or more), negative on one of
-/// the two edges: a tenth is left at the tip.
-pub fn hair_half_widths(radii: impl IntoIterator<Item = f32>, points: usize) -> Vec<f32> {
-    let half_width = |radius: f32, point: usize| {
-        let s = point as f32 / (points - 1) as f32;
-        radius * (0.1 + 0.9 * (1.0 - s * s.sqrt()))
-    };
-    radii
-        .into_iter()
-        .flat_map(|radius| {
-            (0..points)
-                .flat_map(move |point| [-1.0, 1.0].map(|edge| edge * half_width(radius, point)))
-        })
-        .collect()
+impl HairStrips {
+    /// Of hairs of these radii (mm) at the root.
+    pub fn new(radii: impl Iterator<Item = f32>, level: HairLevel) -> Self {
+        let HairLevel { points, one_of } = level;
+        let along = |point: usize| point as f32 / (points - 1) as f32;
+        let mut own = Self::default();
+        for (hair, radius) in radii.step_by(one_of).enumerate() {
+            let wide = radius * one_of as f32;
+            for point in 0..points {
+                let s = along(point);
+                let half_width = wide * (0.1 + 0.9 * (1.0 - s * s.sqrt()));
+                own.half_widths_mm.extend([-half_width, half_width]);
+                own.parameter.extend([s; EDGES]);
+            }
+            for point in 0..points - 1 {
+                let first = ((hair * points + point) * EDGES) as u32;
+                let [a, b, c, d] = [0, 1, 3, 2].map(|corner| first + corner);
+                own.indices.extend([a, b, c, a, c, d]);
+            }
+        }
+        own
+    }
 }
 
 impl HairMesh {
@@ -102,17 +128,18 @@ mod tests {
         for (vertex, position) in mesh.positions.iter().enumerate() {
             assert_eq!(Vec3::from(*position), line[vertex / EDGES]);
         }
-        let widths = hair_half_widths([0.06, 0.03], POINTS);
+        let strips = HairStrips::new([0.06, 0.03].into_iter(), HairLevel::new(POINTS, 1));
+        let widths = &strips.half_widths_mm;
         assert_eq!(widths.len(), 2 * POINTS * EDGES);
         assert_eq!(widths[..2], [-0.06, 0.06]);
         assert!((widths[POINTS * EDGES - 1] - 0.006).abs() < 1e-6);
         assert_eq!(widths[POINTS * EDGES + 1], 0.03);
-        let s = hair_parameter(2, POINTS);
+        let s = &strips.parameter;
         assert_eq!(
             (s[0], s[POINTS * EDGES - 1], s[POINTS * EDGES]),
             (0.0, 1.0, 0.0)
         );
-        let mut used = hair_indices(2, POINTS);
+        let mut used = strips.indices.clone();
         used.sort_unstable();
         used.dedup();
         assert!(used.into_iter().eq(0..(2 * POINTS * EDGES) as u32));

@@ -1,7 +1,7 @@
 //! Eyelashes: irregular clumps of curved hairs on the anterior edges of the lid margins.
 //!
-//! In: a seed, and at each pose the lash lines of a [`PosedRegion`]. Out: a [`HairMesh`] with fixed
-//! topology. Upper lid 122–146 lashes 8–11 mm long (shorter towards the canthi) that leave the lid
+//! In: a seed, and at each pose the lash lines of a [`PosedRegion`]. Out: a [`HairMesh`] whose
+//! topology belongs to its level. Upper lid 122–146 lashes 8–11 mm long (shorter towards the canthi) that leave the lid
 //! forwards and curve up; lower lid 62–76 of 5–7 mm that curve down and out. The same seed gives the
 //! same lashes. Globe frame, mm.
 
@@ -10,16 +10,19 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::face_region::{MARGIN_POINTS, PosedRegion};
-use super::hair::{HairMesh, hair_half_widths, hair_indices, hair_parameter};
+use super::hair::{HairLevel, HairMesh, HairStrips, LEVELS};
 use super::lids::Lid;
-use super::region_parts::LEVELS;
 use crate::optics::smoothstep::smoothstep;
 
-/// Points along a lash at each level of division of the skin about it ([`super::region_parts`]): where one points at who looks, its
-/// projection turns round within a few tenths of a millimetre.
-const POINTS_OF: [usize; LEVELS] = [16, 10, 8];
+/// Points along a lash: where one points at who looks, its projection turns round within a few tenths of a millimetre.
+pub(super) const LEVELS_OF: [HairLevel; LEVELS] = [
+    HairLevel::new(16, 1),
+    HairLevel::new(10, 1),
+    HairLevel::new(8, 1),
+    HairLevel::new(5, 2),
+];
 /// Points that the finest has.
-pub(super) const MOST_POINTS: usize = POINTS_OF[0];
+pub(super) const MOST_POINTS: usize = LEVELS_OF[0].points;
 
 /// One lash in the frame of its root.
 #[derive(Clone, Copy, Debug)]
@@ -44,10 +47,8 @@ struct Lash {
 #[derive(Clone, Debug)]
 pub struct Lashes {
     lashes: Vec<Lash>,
-    points: usize,
-    indices: Vec<u32>,
-    parameter: Vec<f32>,
-    half_widths_mm: Vec<f32>,
+    level: HairLevel,
+    strips: HairStrips,
 }
 
 impl Lashes {
@@ -58,31 +59,22 @@ impl Lashes {
         let (upper, lower) = (random.random_range(122..=146), random.random_range(62..=76));
         grow(Lid::Upper, upper, 0.155, 0.98, &mut random, &mut lashes);
         grow(Lid::Lower, lower, 0.2, 0.965, &mut random, &mut lashes);
-        let mut own = Self {
+        let level = LEVELS_OF[0];
+        Self {
+            strips: HairStrips::new(lashes.iter().map(|lash| lash.radius_mm), level),
             lashes,
-            points: 0,
-            indices: Vec::new(),
-            parameter: Vec::new(),
-            half_widths_mm: Vec::new(),
-        };
-        own.divide(0);
-        own
+            level,
+        }
     }
 
-    /// Gives them as many points as belong to a level of division.
+    /// Divides them as finely as belongs to a level.
     pub fn divide(&mut self, level: usize) {
-        let points = POINTS_OF[level.min(LEVELS - 1)];
-        if points == self.points {
-            return;
+        let level = LEVELS_OF[level.min(LEVELS - 1)];
+        if level != self.level {
+            let radii = self.lashes.iter().map(|lash| lash.radius_mm);
+            self.strips = HairStrips::new(radii, level);
+            self.level = level;
         }
-        let (count, radii) = (
-            self.lashes.len(),
-            self.lashes.iter().map(|lash| lash.radius_mm),
-        );
-        self.half_widths_mm = hair_half_widths(radii, points);
-        self.indices = hair_indices(count, points);
-        self.parameter = hair_parameter(count, points);
-        self.points = points;
     }
 
     /// Number of lashes on a lid.
@@ -91,30 +83,21 @@ impl Lashes {
         self.lashes.iter().filter(|l| l.lid == lid).count()
     }
 
-    /// Triangles.
-    pub fn indices(&self) -> &[u32] {
-        &self.indices
-    }
-
-    /// Root (0) to tip (1) for each vertex.
-    pub fn parameter(&self) -> &[f32] {
-        &self.parameter
-    }
-
-    /// Half of the width at each vertex, mm, negative on one edge.
-    pub fn half_widths_mm(&self) -> &[f32] {
-        &self.half_widths_mm
+    /// What of their mesh does not move.
+    pub fn strips(&self) -> &HairStrips {
+        &self.strips
     }
 
     /// Stands the lashes on a posed region.
     pub fn pose(&self, region: &PosedRegion, out: &mut HairMesh) {
         out.clear();
-        for lash in &self.lashes {
+        let HairLevel { points, one_of } = self.level;
+        for lash in self.lashes.iter().step_by(one_of) {
             let (line, margin) = match lash.lid {
                 Lid::Upper => (&region.upper_lash_line, &region.upper_margin),
                 Lid::Lower => (&region.lower_lash_line, &region.lower_margin),
             };
-            out.push(&lash.line(line, margin, self.points)[..self.points]);
+            out.push(&lash.line(line, margin, points)[..points]);
         }
     }
 }

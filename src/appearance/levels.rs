@@ -1,8 +1,9 @@
-//! How finely the skin of each eye is divided: by the camera in whose picture it is largest.
+//! How finely skin and hairs of each eye are divided: by the camera in whose picture it is largest.
 
+use super::hair;
 use super::model::{EyeModel, EyeParts, METRES_A_MM};
 use super::probe::ProbeCamera;
-use super::region_parts::level_for;
+use super::region_parts::{self, level_for};
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 
@@ -43,9 +44,11 @@ pub fn choose_levels(
         let Some(pixels) = pixels.reduce(f32::max) else {
             continue;
         };
-        let level = level_for(pixels, parts.level);
-        if level != parts.level {
+        let level = level_for(pixels, parts.level, &region_parts::PIXELS_A_MM);
+        let hair_level = level_for(pixels, parts.hair_level, &hair::PIXELS_A_MM);
+        if (level, hair_level) != (parts.level, parts.hair_level) {
             parts.level = level;
+            parts.hair_level = hair_level;
             parts.pose = None;
         }
     }

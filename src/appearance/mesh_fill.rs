@@ -2,7 +2,7 @@
 
 use super::brow::Brow;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
-use super::hair::HairMesh;
+use super::hair::{HairMesh, HairStrips};
 use super::materials::{LID_HALF_SPAN_MM, LID_SAMPLES, LidMargins};
 use crate::optics::globe::GlobeShape;
 use bevy::asset::RenderAssetUsages;
@@ -52,40 +52,38 @@ pub(super) fn fill_mesh(
 }
 /// Puts posed hairs into a mesh: the normals hold each hair's chord, the weights each vertex' direction and place along the hair,
 /// the resting place its half width.
-pub(super) fn fill_hair(
-    mesh: &mut Mesh,
-    hair: &HairMesh,
-    (parameter, half_widths): (&[f32], &[f32]),
-    indices: &[u32],
-    mirror: f32,
-) {
-    let along = hair.along.iter().zip(parameter);
+pub(super) fn fill_hair(mesh: &mut Mesh, hair: &HairMesh, strips: &HairStrips, mirror: f32) {
+    let along = hair.along.iter().zip(&strips.parameter);
     let along = along.map(|(d, place)| [mirror * d[0], d[1], d[2], *place]);
-    let rest = || half_widths.iter().map(|w| [*w, 0.0, 0.0, 1.0]).collect();
+    let half_widths = strips.half_widths_mm.iter();
+    let rest = || half_widths.map(|w| [*w, 0.0, 0.0, 1.0]).collect();
     fill_mesh(
         mesh,
         hair.positions.iter().copied(),
         hair.chords.iter().copied(),
         along.collect(),
         rest,
-        indices,
+        &strips.indices,
         mirror,
     );
 }
-/// The brow rides on skin that hardly moves, so it is posed once, with the lids open.
-pub(super) fn brow_mesh(region: &EyeRegion, shape: &GlobeShape, seed: u64, mirror: f32) -> Mesh {
-    let brow = Brow::new(region, 700, seed);
+/// The brow rides on skin that hardly moves, so it is posed once for each level, with the lids open.
+pub(super) fn fill_brow(
+    mesh: &mut Mesh,
+    brow: &Brow,
+    level: usize,
+    region: &EyeRegion,
+    shape: &GlobeShape,
+    mirror: f32,
+) {
     let mut posed = PosedRegion::default();
     let radius = |direction: Vec3| shape.radius_along(direction.as_dvec3()) as f32;
     region.pose(&LidPose::default(), &radius, &mut posed);
     let mut hair = HairMesh::default();
-    brow.pose(&posed, &mut hair);
-    let mut mesh = empty_mesh();
+    brow.pose(&posed, level, &mut hair);
     if !hair.positions.is_empty() {
-        let fixed = (brow.parameter(), brow.half_widths_mm());
-        fill_hair(&mut mesh, &hair, fixed, brow.indices(), mirror);
+        fill_hair(mesh, &hair, &brow.strips(level), mirror);
     }
-    mesh
 }
 /// Heights of the margins at fixed x, for the shader's lid shadow.
 pub(super) fn lid_margins(upper: &[Vec3], lower: &[Vec3], mirror: f32) -> LidMargins {

@@ -4,6 +4,7 @@
 //! children: globe, lids, lashes, tears and brow as meshes with materials. Their space is the head's,
 //! in millimetres, with the globe's centre at the entity; the entity's own space is in metres.
 
+use super::brow::Brow;
 use super::build::MadeOf;
 use super::eye_camera::EyeShading;
 use super::face_region::{EyeRegion, LidPose, PosedRegion};
@@ -94,8 +95,16 @@ pub struct EyeParts {
     /// How finely its skin is divided; see [`super::region_parts`].
     #[reflect(ignore)]
     pub(super) level: usize,
+    /// How finely its hairs are divided; see [`super::hair`].
+    #[reflect(ignore)]
+    pub(super) hair_level: usize,
     #[reflect(ignore)]
     pub(super) lashes: Option<Lashes>,
+    /// And at which level its mesh has it.
+    #[reflect(ignore)]
+    pub(super) brow: Option<Brow>,
+    #[reflect(ignore)]
+    pub(super) brow_level: Option<usize>,
     #[reflect(ignore)]
     pub(super) posed: PosedRegion,
     #[reflect(ignore)]
@@ -140,6 +149,8 @@ pub struct EyeParts {
     pub(super) conjunctiva_mesh: Handle<Mesh>,
     #[reflect(ignore)]
     pub(super) lash_mesh: Handle<Mesh>,
+    #[reflect(ignore)]
+    pub(super) brow_mesh: Handle<Mesh>,
     #[reflect(ignore)]
     pub(super) hair_material: Handle<HairMaterial>,
     #[reflect(ignore)]

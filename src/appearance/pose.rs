@@ -2,7 +2,7 @@
 
 use super::face_region::LidPose;
 use super::materials::GlobePart;
-use super::mesh_fill::{fill_hair, fill_mesh, lid_margins};
+use super::mesh_fill::{fill_brow, fill_hair, fill_mesh, lid_margins};
 use super::model::{EyeAssets, EyeParts, FaceRegion, METRES_A_MM, side};
 use super::shading::iris_relief::pupil_code;
 use super::shading::tear_layer::{TEAR_DRIFT_S, tear_age_code};
@@ -309,17 +309,18 @@ pub fn move_lids(
                 mirror,
             );
         }
-        lashes.divide(parts.level);
+        lashes.divide(parts.hair_level);
         lashes.pose(&parts.posed, &mut parts.hair);
         if let Some(mut mesh) = assets.meshes.get_mut(&parts.lash_mesh) {
             vertices += parts.hair.positions.len();
-            fill_hair(
-                &mut mesh,
-                &parts.hair,
-                (lashes.parameter(), lashes.half_widths_mm()),
-                lashes.indices(),
-                mirror,
-            );
+            fill_hair(&mut mesh, &parts.hair, lashes.strips(), mirror);
+        }
+        if parts.brow_level != Some(parts.hair_level)
+            && let Some(brow) = &parts.brow
+            && let Some(mut mesh) = assets.meshes.get_mut(&parts.brow_mesh)
+        {
+            fill_brow(&mut mesh, brow, parts.hair_level, region, shape, mirror);
+            parts.brow_level = Some(parts.hair_level);
         }
         if let Some(mut mesh) = assets.meshes.get_mut(&parts.meniscus_mesh) {
             let count = parts.posed.meniscus_positions.len();

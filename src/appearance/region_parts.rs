@@ -36,9 +36,10 @@ pub const PIXELS_A_MM: [f32; LEVELS - 1] = [0.5 / ERROR_MM[1], 0.5 / ERROR_MM[2]
 /// test.
 pub const ERROR_MM: [f32; LEVELS] = [0.0, 0.04, 0.12];
 
-/// The level for so many pixels a millimetre. One that is drawn is kept until a tenth more or less.
-pub fn level_for(pixels_a_mm: f32, drawn: usize) -> usize {
-    let level = |pixels: f32| PIXELS_A_MM.iter().filter(|&&from| pixels < from).count();
+/// The level for so many pixels a millimetre, where from these on the next finer one is drawn. One that is drawn is kept until a tenth more or
+/// less.
+pub fn level_for(pixels_a_mm: f32, drawn: usize, finer_from: &[f32]) -> usize {
+    let level = |pixels: f32| finer_from.iter().filter(|&&from| pixels < from).count();
     drawn.clamp(level(pixels_a_mm * 1.1), level(pixels_a_mm / 1.1))
 }
 
@@ -168,6 +169,7 @@ mod tests {
 
     #[test]
     fn levels_are_chosen_by_pixels_and_kept_a_while() {
+        let level_for = |pixels, drawn| super::level_for(pixels, drawn, &PIXELS_A_MM);
         assert_eq!(level_for(f32::INFINITY, 2), 0);
         assert_eq!(level_for(0.0, 0), LEVELS - 1);
         for (level, from) in PIXELS_A_MM.into_iter().enumerate() {

@@ -7,9 +7,9 @@ use glam::Vec3;
 use super::*;
 use crate::appearance::brow::Brow;
 use crate::appearance::canthus::EDGE_MM;
-use crate::appearance::hair::{EDGES, HairMesh};
+use crate::appearance::hair::{EDGES, HairMesh, HairStrips};
 use crate::appearance::lashes::Lashes;
-use crate::appearance::{brow, lashes};
+use crate::appearance::{brow, hair, lashes};
 
 /// Sphere of 11.5 mm with a corneal conicoid (R 7.8, p 0.75, apex at 12.39 mm) turned to the gaze.
 pub(super) fn turned_globe(azimuth: f32, elevation: f32) -> impl Fn(Vec3) -> f32 {
@@ -426,10 +426,11 @@ fn lashes_stand_on_the_lash_lines() {
             },
         );
         lashes.pose(&out, &mut mesh);
-        assert_eq!(mesh.positions.len(), lashes.parameter().len());
+        assert_eq!(mesh.positions.len(), lashes.strips().parameter.len());
         assert!(
             lashes
-                .indices()
+                .strips()
+                .indices
                 .iter()
                 .all(|&i| (i as usize) < mesh.positions.len())
         );
@@ -451,7 +452,7 @@ fn lashes_stand_on_the_lash_lines() {
             assert!((1.0..11.5).contains(&root.distance(tip)));
         }
     }
-    assert_eq!(lashes.parameter(), Lashes::new(7).parameter());
+    assert_eq!(lashes.strips().parameter, Lashes::new(7).strips().parameter);
     let mut again = HairMesh::default();
     let out = posed(&region, &LidPose::default());
     Lashes::new(7).pose(&out, &mut again);
@@ -467,11 +468,61 @@ fn brow_hairs_lie_on_the_skin() {
     let brow = Brow::new(&region, 600, 3);
     let out = posed(&region, &LidPose::default());
     let mut mesh = HairMesh::default();
-    brow.pose(&out, &mut mesh);
-    let hairs = mesh.positions.len() / (brow::POINTS * EDGES);
+    brow.pose(&out, 0, &mut mesh);
+    let points = brow::LEVELS_OF[0].points;
+    let hairs = mesh.positions.len() / (points * EDGES);
     assert!((500..700).contains(&hairs), "{hairs}");
-    for hair in mesh.positions.chunks(brow::POINTS * EDGES) {
+    for hair in mesh.positions.chunks(points * EDGES) {
         let root = Vec3::from(hair[0]);
         assert!((10.0..30.0).contains(&root.y), "{root}");
     }
+}
+
+/// Length by width of all ribbons, mm², and where their middle is.
+fn covered(mesh: &HairMesh, strips: &HairStrips) -> (f32, Vec3) {
+    let corner = |i: u32| Vec3::from(mesh.positions[i as usize]);
+    let (mut area, mut at) = (0.0, Vec3::ZERO);
+    for quad in strips.indices.chunks_exact(6) {
+        let [a, c] = [quad[0], quad[2]];
+        let wide =
+            strips.half_widths_mm[a as usize].abs() + strips.half_widths_mm[c as usize].abs();
+        let own = wide * corner(a).distance(corner(c));
+        area += own;
+        at += own * 0.5 * (corner(a) + corner(c));
+    }
+    (area, at / area)
+}
+
+#[test]
+fn fewer_and_wider_hairs_cover_as_much_skin() {
+    let region = EyeRegion::load().unwrap();
+    let out = posed(&region, &LidPose::default());
+    let mut mesh = HairMesh::default();
+    let mut lashes = Lashes::new(7);
+    let brow = Brow::new(&region, brow::COUNT, 7);
+    let mut vertices = Vec::new();
+    let mut levels = |level: usize| {
+        lashes.divide(level);
+        lashes.pose(&out, &mut mesh);
+        let of_lashes = covered(&mesh, lashes.strips());
+        let count = mesh.positions.len();
+        brow.pose(&out, level, &mut mesh);
+        vertices.push(count + mesh.positions.len());
+        [of_lashes, covered(&mesh, &brow.strips(level))]
+    };
+    let finest = levels(0);
+    for level in 1..hair::LEVELS {
+        for (k, (own, whole)) in levels(level).into_iter().zip(finest).enumerate() {
+            println!(
+                "{level} {k}: {} of {} mm2, {}",
+                own.0,
+                whole.0,
+                own.1.distance(whole.1)
+            );
+            assert!((own.0 / whole.0 - 1.0).abs() < 0.04, "{level} {k}");
+            assert!(own.1.distance(whole.1) < 0.6, "{level} {k}");
+        }
+    }
+    println!("{vertices:?}");
+    assert!(vertices[3] * 5 < vertices[2] * 2 && vertices[2] < vertices[1]);
 }
