@@ -68,10 +68,10 @@ fn from_caruncle(s: f32, q: f32) -> f32 {
     ds * ds + dq * dq
 }
 
-/// The furrow around the caruncle, 1 where it is deepest.
+/// The furrow around the caruncle, 1 where it is deepest; it ends at the plica, beyond which the white begins.
 fn furrow(s: f32, q: f32) -> f32 {
     let off = (from_caruncle(s, q).sqrt() - 1.45) / 0.38;
-    (-off * off).exp()
+    (-off * off).exp() * (1.0 - smoothstep(-0.15, 0.05, s - bow(q)))
 }
 
 /// Share of the sky that reaches a place of the medial corner: little gets into its furrows.
@@ -88,10 +88,15 @@ pub fn corner_light(corner: Corner, column: usize, row: usize) -> f32 {
     }
 }
 
-/// Plica: a crescent whose horns point away from the nose.
+/// Where the plica's crest is: a crescent whose horns point away from the nose.
+fn bow(q: f32) -> f32 {
+    0.54 + 0.34 * (2.0 * q - 0.9).powi(2)
+}
+
+/// The plica.
 fn ridge(s: f32, q: f32) -> f32 {
-    let bow = 0.56 + 0.26 * (2.0 * q - 0.9).powi(2);
-    let side = (s - bow) / if s > bow { 0.1 } else { 0.17 };
+    let bow = bow(q);
+    let side = (s - bow) / if s > bow { 0.15 } else { 0.17 };
     // Its free edge is uneven.
     let crest = 0.8 + 0.2 * (q * 13.0 + 2.0 * (q * 5.0).sin()).sin();
     crest * (-side * side).exp()
@@ -130,7 +135,7 @@ pub fn corner_grid(
             let rise = (2.0 * q - 1.0).abs().powi(3);
             let mut off = floor + (edge - 0.02 - floor) * rise;
             if corner == Corner::Medial {
-                let raised = 1.5 * mound(s, q) + 0.6 * ridge(s, q) - 0.45 * furrow(s, q);
+                let raised = 1.5 * mound(s, q) + 0.42 * ridge(s, q) - 0.45 * furrow(s, q);
                 off += room * raised * (1.0 - rise);
             }
             // The sheet comes down onto the globe and goes on as what covers it.
