@@ -4,7 +4,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use ocularium::appearance::{EyeOrbit, EyeQuality, StudioLight};
+use ocularium::appearance::{EyeCamera, EyeOrbit, EyeQuality, StudioLight};
 use ocularium::lab::headless::Headless;
 use ocularium::patients::{FIELDS, PRESETS, PatientFile, load_patient};
 use ocularium::scene::catalog::{BuiltIn, LoadedScene};
@@ -92,5 +92,49 @@ fn no_legal_eye_has_a_pixel_that_is_no_number() {
                 wrong.first()
             );
         }
+    }
+}
+
+/// Nearer than an orbit goes: a camera of somebody's own, ten and six millimetres before the cornea.
+#[test]
+fn no_eye_has_one_before_a_camera_that_nearly_touches_it() {
+    let scene = LoadedScene::Model(Box::new(BuiltIn::Chart.build().expect("a scene")));
+    let patient = load_patient("healthy-blue").expect("a preset is legal");
+    let session = Session {
+        light: PanelLight::Studio(StudioLight::Ring),
+        ..Session::new(patient, scene, 1)
+    };
+    let (mut headless, image) =
+        Headless::with_radiance(session, UVec2::splat(SIDE)).expect("a device");
+    headless.set_quality(EyeQuality::default());
+    let camera = headless.stage().eye;
+    for (azimuth_deg, elevation_deg) in [(0.0, 0.0), (-30.0, 10.0), (60.0, -20.0), (85.0, 40.0)] {
+        headless.set_orbit(EyeOrbit {
+            azimuth_deg,
+            elevation_deg,
+            distance_mm: 35.0,
+        });
+        headless.go_to(0.05);
+        headless.warm_up().expect("a picture");
+        // It no longer follows its orbit.
+        let own = headless.world().entity_mut(camera).take::<EyeCamera>();
+        let own = own.expect("a camera before an eye");
+        let mut camera_of = headless.world().get_mut::<Camera>(camera).expect("it");
+        camera_of.is_active = true;
+        let mut last = headless.radiances(&image).expect("a picture");
+        for forward_mm in [25.0, 4.0] {
+            let mut place = headless.world().get_mut::<Transform>(camera).expect("it");
+            let forward = place.forward();
+            place.translation += forward * 1e-3 * forward_mm;
+            headless.go_to(0.1);
+            headless.finish_frame();
+            let wrong = wrong_pixels(&headless, &image);
+            assert!(wrong.is_empty(), "{azimuth_deg}: {:?}", wrong.first());
+            let seen = headless.radiances(&image).expect("a picture");
+            assert!(seen.iter().any(|c| c.max_element() > 0.01), "{azimuth_deg}");
+            assert_ne!(seen, last, "{azimuth_deg}, {forward_mm} mm nearer");
+            last = seen;
+        }
+        headless.world().entity_mut(camera).insert(own);
     }
 }

@@ -258,7 +258,6 @@ fn the_eyes_entry_files_bind_and_call() {
             "lamellae_through",
             "lamp_at",
             "lids_at",
-            "lids_lit",
             "lids_radiance",
             "mirror_eye",
             "mirrored",

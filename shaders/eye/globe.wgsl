@@ -143,7 +143,7 @@ fn head_from_eye() -> mat3x3f {
 
 // Radiance of the lids' skin.
 fn lids_radiance() -> vec3f {
-    return globe.lids_color * lids_lit();
+    return globe.lids_color * illumination.lids_lit;
 }
 
 // The surroundings' factors by degree.
@@ -377,7 +377,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_color_mm), globe.limbus_mm);
         let shaped = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_shading_mm), globe.limbus_mm);
 #else
-        corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * 0.9), globe.limbus_mm);
+        corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * LIMBUS_MM), globe.limbus_mm);
         let shaped = corneal;
 #endif
         normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior_radius_mm, globe.anterior_p), shaped);

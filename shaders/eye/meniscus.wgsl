@@ -20,7 +20,7 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let gap = in.tissue.r;
     // The lower lid does not hide what the thread on it mirrors, which looks up.
     let shade = LidShade(in.position.x, gap, 1e3);
-    let radiance = meniscus_reflection(around, meniscus.lids * lids_lit(), n, v, shade, footprint) * meniscus.strength;
+    let radiance = meniscus_reflection(around, meniscus.lids * illumination.lids_lit, n, v, shade, footprint) * meniscus.strength;
     // Added in display space, so keep the tone curve's small-signal slope of one.
     return vec4(shown(radiance), 0.0);
 }

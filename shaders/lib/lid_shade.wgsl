@@ -27,8 +27,6 @@ const LID_EDGE_MM: f32 = 1.3;
 const LID_EDGE_UP_MM: f32 = 0.5;
 const LID_EDGE_SOFT_MM: f32 = 1.2;
 const LOWER_EDGE_SOFT_MM: f32 = 0.5;
-// Where the lids' edges look to in the mean.
-const LIDS_FACE: vec3f = vec3f(0.0, -0.4061385, -0.9138115);
 
 // How a point p (head frame) of the globe lies between the lids, whose x lies at this part of this span of the margins (`lid_knot`).
 fn lid_shade(span: LidSpan, part: f32, p: vec3<f32>) -> LidShade {
@@ -89,11 +87,6 @@ fn sky_factors(even: vec3f, y: vec3f, z: vec3f, x: vec3f, xy: vec3f, yz: vec3f, 
     let ys = mat3x3f(0.5 * xy, -xx - zz, 0.5 * yz);
     let zs = mat3x3f(0.5 * xz, 0.5 * yz, 2.0 * zz);
     return SkyFactors(even, mat3x3f(x, y, z), xs, ys, zs);
-}
-
-// What of a lamp in this unit direction the lids' edges take.
-fn lids_take(light: vec3f) -> f32 {
-    return max(dot(light, LIDS_FACE), 0.0);
 }
 
 // Irradiance / pi that comes from the surroundings past the lids and lashes to a place of the globe of normal n (head frame), whose shade this

@@ -2,9 +2,15 @@
 //
 // The limbus, where the cornea goes over into the sclera. Twin: src/appearance/shading/limbus.rs.
 
+// How far within and beyond the limbus' radius the sclera's lamellae fade over the cornea, mm.
+const LIMBUS_WITHIN_MM: f32 = 0.4;
+const LIMBUS_BEYOND_MM: f32 = 0.95;
+// How far that is in all.
+const LIMBUS_MM: f32 = LIMBUS_WITHIN_MM + LIMBUS_BEYOND_MM;
+
 // Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
 fn limbus_share(r: f32, limbus_radius: f32) -> f32 {
-    return smoothstep(limbus_radius + 0.27, limbus_radius - 0.63, r);
+    return smoothstep(limbus_radius + LIMBUS_BEYOND_MM, limbus_radius - LIMBUS_WITHIN_MM, r);
 }
 
 // The surface's normal there: the globe's outside, the cornea's own from a third of the way in.
@@ -30,15 +36,15 @@ fn limbus_through(passed: vec3f, whole: vec3f) -> vec3f {
     return kept * kept;
 }
 
-// How far from the axis a place counts as being where the transition is `width` mm wide and not 0.9.
+// How far from the axis a place counts as being where the transition is `width` mm wide and not LIMBUS_MM.
 fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
-    return limbus_radius + (r - limbus_radius) * (0.9 / max(width, 1e-3));
+    return limbus_radius + (r - limbus_radius) * (LIMBUS_MM / max(width, 1e-3));
 }
 
 // How much narrower the transition is where it is narrowest.
 const LIMBUS_UNEVEN: f32 = 0.22;
 
-// Width of the transition at a place (mm from the axis), against 0.9 mm: above and below the sclera goes further over the cornea, and here
+// Width of the transition at a place (mm from the axis), against LIMBUS_MM: above and below the sclera goes further over the cornea, and here
 // and there less far; `own` (rad) makes it that of this eye.
 fn limbus_width(at: vec2f, own: f32) -> f32 {
     let sine = at.y / max(length(at), 1e-3);
@@ -57,7 +63,7 @@ const ARCUS_CLEAR_MM: f32 = 0.12;
 // (`limbus_width`), which comes
 // first above and below; `lipid` 0 to 1.
 fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32, width: f32) -> f32 {
-    let inside = limbus_radius - r - 0.55 * width;
+    let inside = limbus_radius - r - 0.85 * LIMBUS_WITHIN_MM * width;
     let wide = 0.5 + 0.6 * lipid;
     let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside) * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
     let there = mix(0.65 * smoothstep(0.15, 0.85, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);

@@ -29,11 +29,11 @@ struct Illumination {
     // Irradiance / pi from the surroundings without the lamps, by the normal n: the factors of 1, y, z, x, xy,
     // yz, 3zz - 1, xz and xx - yy.
     ambient: array<vec4<f32>, 9>,
+    // Irradiance / pi of the lids' edges, lamps and all.
+    lids_lit: vec3<f32>,
     exposure: f32,
     // 1 where the camera's exposure is still to come.
     is_luminance: f32,
-    unused: f32,
-    unused_too: f32,
 };
 
 // Place in the map of the surroundings, the equal-area azimuthal projection about the direction of the

@@ -2,7 +2,7 @@
 //! surface of sclera and cornea. The shader refines it: every pixel of the
 //! cornea is traced exactly, so the mesh only has to cover the right pixels.
 
-use super::shading::limbus::clear_cornea_mm;
+use super::shading::limbus::{clear_cornea_mm, limbal_reach_mm};
 use crate::optics::globe::GlobeShape;
 use bevy::asset::RenderAssetUsages;
 use bevy::math::Vec3;
@@ -15,14 +15,11 @@ const SECTORS: u32 = 64;
 /// Rings of the clear cornea, the outermost of [`SECTORS`] and each as much smaller as it is narrower.
 const CORNEA_RINGS: u32 = 10;
 /// Rings between the limbus' two borders, where the surface bends most.
-const LIMBUS_RINGS: u32 = 4;
+const LIMBUS_RINGS: u32 = 6;
 /// Angle between rings of the sclera, and where the last one is, degrees: what lies further back is in no picture (a camera stands
 /// up to 85° and an eye turns up to 45° aside, and behind 75° of the head's front there is the orbit).
 const SCLERA_STEP_DEG: f32 = 4.0;
 const BACK_DEG: f32 = 150.0;
-
-/// Reach of the limbus' soft edge outside its radius, mm (`shaders/lib/limbus.wgsl`).
-const LIMBAL_REACH_MM: f64 = 0.34;
 
 /// How much smaller than the clear cornea its mesh is, mm: as far from the mesh, whose facets lie 7 µm below it, a view at 8 degrees to
 /// the surface meets it. At 2 degrees 4 per cent of white are taken for cornea.
@@ -48,7 +45,7 @@ type Ring = (f32, u32);
 /// Builds the meshes of cornea (where nothing else is seen), limbus and sclera in the eye frame, mm; neighbours share a ring.
 pub fn globe_meshes(shape: &GlobeShape) -> [Mesh; 3] {
     let limbus_mm = shape.limbus_radius_mm();
-    let sine = (limbus_mm + LIMBAL_REACH_MM) / shape.sclera_radius_mm();
+    let sine = (limbus_mm + limbal_reach_mm()) / shape.sclera_radius_mm();
     let outer = sine.clamp(0.1, 0.9).asin() as f32;
     let inner = angle_at(shape, clear_cornea_mm(limbus_mm) - WITHIN_MM) as f32;
     let cornea = (0..=CORNEA_RINGS).map(|i| {

@@ -44,15 +44,13 @@ pub struct Illumination {
     /// Irradiance / π from the surroundings without the lamps, by the normal: factors of
     /// [`super::shading::surroundings::ambient_basis`].
     pub ambient: [Vec4; 9],
+    /// Irradiance / π of the lids' edges ([`super::shading::lid_shade::LIDS_FACE`]), lamps and all.
+    pub lids_lit: Vec3,
     /// Factor on all of it before the output transform.
     pub exposure: f32,
     /// 1 where all of this is in cd/m² and the camera's exposure is still to come, 0 where the picture's
     /// own is all.
     pub is_luminance: f32,
-    /// Fills the shader's struct.
-    pub unused: f32,
-    /// Fills it too.
-    pub unused_too: f32,
 }
 
 impl Illumination {

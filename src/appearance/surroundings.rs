@@ -6,6 +6,7 @@
 
 use super::illumination::{Illumination, Lamp, MOST_LAMPS};
 use super::images::{Level, map_image};
+use super::shading::lid_shade::LIDS_FACE;
 use super::shading::surroundings::{ambient_basis, ambient_light, surroundings_direction};
 use crate::frame::mips::chain;
 use bevy::image::Image;
@@ -131,9 +132,9 @@ impl Surroundings {
         Illumination {
             lamps,
             ambient: self.ambient.map(|factor| factor.extend(0.0)),
+            lids_lit: self.irradiance(LIDS_FACE).as_vec3(),
             exposure: self.exposure,
             is_luminance: if self.is_luminance { 1.0 } else { 0.0 },
-            ..Illumination::default()
         }
     }
 

@@ -133,7 +133,6 @@ const VOXEL_INSERT: &str = include_str!("../../shaders/view/field/voxel_insert.w
 const RAYS: &str = include_str!("../../shaders/view/field/rays.wgsl");
 const MOVERS: &str = include_str!("../../shaders/view/field/movers.wgsl");
 const COMMON: &str = include_str!("../../shaders/eye/common.wgsl");
-const LIDS_LIGHT: &str = include_str!("../../shaders/eye/lids_light.wgsl");
 const MESH: &str = include_str!("../../shaders/eye/mesh.wgsl");
 
 /// Every shader of the program.
@@ -169,12 +168,7 @@ pub const SOURCES: &[Source] = &[
             "fundus",
             "output",
         ],
-        entry: &[
-            COMMON,
-            MESH,
-            LIDS_LIGHT,
-            include_str!("../../shaders/eye/globe.wgsl"),
-        ],
+        entry: &[COMMON, MESH, include_str!("../../shaders/eye/globe.wgsl")],
     },
     Source {
         handle: SKIN,
@@ -213,7 +207,6 @@ pub const SOURCES: &[Source] = &[
         entry: &[
             COMMON,
             MESH,
-            LIDS_LIGHT,
             include_str!("../../shaders/eye/meniscus.wgsl"),
         ],
     },

@@ -85,9 +85,10 @@ fn luminance(c: DVec3) -> f64 {
     c.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
+/// Not a number where there are none.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 impl Picture {
@@ -98,20 +99,17 @@ impl Picture {
         let linear: Vec<DVec3> = pixels
             .map(|p| DVec3::new(decode(p.0[0]), decode(p.0[1]), decode(p.0[2])))
             .collect();
+        // That of the cornea, from which a pupil's may be a few tenths of a millimetre off.
+        let center = DVec2::splat(f64::from(size) * 0.5);
         // The pupil: what is dark around the middle.
-        let middle = DVec2::splat(f64::from(size) * 0.5);
-        let (mut sum, mut count) = (DVec2::ZERO, 0.0);
-        for (i, c) in linear.iter().enumerate() {
-            let at = place(i, size);
-            if at.distance(middle) < 0.45 * limbus_px && luminance(*c) < 0.02 {
-                sum += at;
-                count += 1.0;
-            }
-        }
+        let is_pupil = |(i, c): &(usize, &DVec3)| {
+            place(*i, size).distance(center) < 0.45 * limbus_px && luminance(**c) < 0.02
+        };
+        let count = linear.iter().enumerate().filter(is_pupil).count() as f64;
         Self {
             size,
             linear,
-            center: if count > 0.0 { sum / count } else { middle },
+            center,
             pupil_px: f64::sqrt(count / core::f64::consts::PI),
             limbus_px,
             nose,
@@ -139,13 +137,14 @@ impl Picture {
         DVec3::new(channel(0), channel(1), channel(2))
     }
 
-    /// Mean luminance by radius (limbus radii) on both sides, in steps of a hundredth from 0.7 to 1.4.
-    fn profile(&self) -> Vec<(f64, f64)> {
+    /// Median luminance by radius (limbus radii) on the nose's side (1) or the temple's (−1), in steps of a hundredth from 0.7 to 1.4.
+    fn profile(&self, side: f64) -> Vec<(f64, f64)> {
         (0..70)
             .map(|step| {
                 let from = 0.7 + 0.01 * f64::from(step);
                 let ring = self.where_is(|r, angle| {
                     (from..from + 0.01).contains(&r)
+                        && side * angle.cos() > 0.0
                         && angle.sin().abs() < 0.3
                         && angle.sin() > -0.1
                 });
@@ -163,8 +162,15 @@ fn place(index: usize, size: u32) -> DVec2 {
     DVec2::new(f64::from(x), f64::from(y)) + 0.5
 }
 
-/// 10 to 90 % of the step of luminance from iris to white, in limbus radii.
-fn limbal_width(profile: &[(f64, f64)]) -> f64 {
+/// Where 10 and 90 % of the step of luminance from iris to white are, in limbus radii: the means of both sides, whose irides and whites may
+/// differ.
+fn limbal_step(picture: &Picture) -> [f64; 2] {
+    let [nasal, temporal] = [1.0, -1.0].map(|side| step_of(&picture.profile(side)));
+    [0, 1].map(|k| 0.5 * (nasal[k] + temporal[k]))
+}
+
+/// The same of one side's profile.
+fn step_of(profile: &[(f64, f64)]) -> [f64; 2] {
     let darkest = (0..35).min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1));
     let from = &profile[darkest.unwrap_or(0)..];
     let dark = from.first().map_or(0.0, |p| p.1);
@@ -177,7 +183,7 @@ fn limbal_width(profile: &[(f64, f64)]) -> f64 {
         let level = dark + share * (white - dark);
         from.iter().find(|p| p.1 >= level).map_or(0.0, |p| p.0)
     };
-    crossing(0.9) - crossing(0.1)
+    [0.1, 0.9].map(crossing)
 }
 
 /// Dips of green along arcs of the white on both sides: how many an iris diameter of arc, and their median depth.
@@ -291,18 +297,20 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
     // Below the middle, where neither lids nor lamps are.
     let below = |angle: f64| (0.45..2.7).contains(&angle);
     let ring = picture.where_is(|r, angle| r > 1.15 * pupil_share && r < 0.85 && below(angle));
-    let mean = |all: &[DVec3]| all.iter().sum::<DVec3>() / all.len().max(1) as f64;
+    // Not a number where a pupil leaves nothing of it.
+    let mean = |all: &[DVec3]| all.iter().sum::<DVec3>() / all.len() as f64;
     let iris = mean(&ring);
     let lightness: Vec<f64> = ring
         .iter()
         .map(|c| linear_srgb_to_lab(c.to_array())[0])
         .collect();
-    let count = lightness.len().max(1) as f64;
+    let count = lightness.len() as f64;
     let middle = lightness.iter().sum::<f64>() / count;
     let deviation = f64::sqrt(lightness.iter().map(|l| (l - middle).powi(2)).sum::<f64>() / count);
     let within = |from: f64, to: f64| {
         // Aside, below the lamps, where no lid covers it.
         let aside = |angle: f64| angle.sin() > 0.05 && angle.sin() < 0.5;
+        let from = from.max(1.15 * pupil_share);
         let part = picture.where_is(|r, angle| (from..to).contains(&r) && aside(angle));
         luminance(mean(&part))
     };
@@ -316,6 +324,7 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
     let (crossings, contrast) = vessels(picture);
     let pupil = luminance(picture.patch(0.0, 0.0, 0.5 * pupil_share));
     let (varies, fine) = skin_varies(picture);
+    let [limbus_from, limbus_to] = limbal_step(picture);
     let rows = vec![
         row(
             "iris, standard deviation of L*",
@@ -341,9 +350,16 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
         row(
             "limbus, 10 to 90 % of the step",
             "R",
-            limbal_width(&picture.profile()),
+            limbus_to - limbus_from,
             0.123,
             (0.104, 0.158),
+        ),
+        row(
+            "limbus, middle of that step",
+            "R",
+            0.5 * (limbus_from + limbus_to),
+            1.011,
+            (0.949, 1.073),
         ),
         row(
             "white, red over green (linear)",
@@ -505,7 +521,7 @@ pub fn looks(patient: &PatientFile) -> Result<Looks, HeadlessError> {
             "Their means: iris sRGB 90 91 89 (blue-grey), 80 89 74 and 94 113 89 (green), 102 64 41 (hazel), 91 62 52 (brown), \
              45 31 25 (dark); white 202 186 169.",
             "white, red over green and blue over red: spread of the neutral ones among them; iris Y: from dark to pale eyes.",
-            "Not measured here: lids and lashes; how far lids cover the iris. Skin is that below the eye.",
+            "limbus, middle of that step: from and to are where 10 and 90 % of the photographs' step are. Not measured here: lids and lashes; how far lids cover the iris. Skin is that below the eye.",
         ],
         patient: patient.name.clone(),
         light: light.name(),
@@ -583,10 +599,30 @@ mod tests {
         assert!(picture.center.distance(DVec2::splat(256.0)) < 0.5);
         assert!((picture.pupil_px / 36.0 - 1.0).abs() < 0.02);
         // 10 to 90 % of a linear step 0.2 wide.
-        let width = limbal_width(&picture.profile());
+        let width_of = |picture: &Picture| {
+            let [from, to] = limbal_step(picture);
+            to - from
+        };
+        let width = width_of(&picture);
         assert!((width - 0.16).abs() < 0.021, "{width}");
+        let middle = limbal_step(&picture).iter().sum::<f64>() / 2.0;
+        assert!((middle - 1.0).abs() < 0.011, "{middle}");
         let sharp = Picture::new(&drawn(120.0, 0.05, 40), 120.0, 1.0);
-        assert!(limbal_width(&sharp.profile()) < 0.07);
+        assert!(width_of(&sharp) < 0.07);
+        // A pupil beside the middle and less light on one side change nothing of it.
+        let mut uneven = drawn(120.0, 0.2, 0);
+        for (x, y, pixel) in uneven.enumerate_pixels_mut() {
+            let off = DVec2::new(f64::from(x), f64::from(y)) - 256.0;
+            if x < 256 {
+                let [red, green, blue, _] = pixel.0.map(|code| code / 5 * 4);
+                *pixel = Rgba([red, green, blue, 255]);
+            }
+            if off.distance(DVec2::new(7.0, -2.0)) < 40.0 {
+                *pixel = Rgba([10, 10, 10, 255]);
+            }
+        }
+        let beside = Picture::new(&uneven, 120.0, 1.0);
+        assert!((width_of(&beside) - width).abs() < 0.006);
         let (crossings, contrast) = super::vessels(&picture);
         // 40 a turn: 40/2π a radian, of a radius of half a diameter times 1.35 and 1.5.
         let expected = 40.0 / core::f64::consts::TAU * 2.0 / 1.425;

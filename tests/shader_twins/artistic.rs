@@ -78,5 +78,5 @@ fn an_artists_changes() {
         let change = caustic_change(own, 1.0, 1.0);
         assert!((change - f64::from(own > 0.0)).abs() < 1e-12, "{own}");
     }
-    assert_eq!(limbus::limbus_place(5.5, 5.85, 0.9), 5.5);
+    assert_eq!(limbus::limbus_place(5.5, 5.85, limbus::LIMBUS_MM), 5.5);
 }

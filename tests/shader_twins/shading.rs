@@ -274,7 +274,7 @@ fn the_lids() {
     let call = format!(
         "let p = vec3f(x[{}], x[{}], x[{}]); let at = lid_knot(p.x); \
          let s = lid_shade(LidSpan(x[at.below], x[at.below + 1], x[at.below + LID_SAMPLES], x[at.below + LID_SAMPLES + 1]), at.part, p); \
-         y[0] = s.aside; y[1] = s.upper_gap; y[2] = s.lower_gap; y[3] = LIDS_SEND + lids_take(p / 30.0); \
+         y[0] = s.aside; y[1] = s.upper_gap; y[2] = s.lower_gap; y[3] = LIDS_SEND; \
          y[4] = lid_lamp(s, vec3f(x[{}], x[{}], x[{}]), x[{}]); y[5] = lid_sky_within(s, 3.0, 1.336); \
          var a = array<vec3f, 9>(); for (var i = 0; i < 9; i++) {{ a[i] = vec3f(1.0 - 0.2 * f32(i), 0.3 + 0.1 * f32(i), 0.5); }} \
          let around = sky_factors(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]); \
@@ -322,8 +322,8 @@ fn the_lids() {
                 });
                 let n = (v3(&x[samples + 3..]) - 2.0 * DVec3::Z).normalize();
                 let sky = lid_shade::lid_sky(&around, &s, n, DVec3::new(0.3, 0.2, 0.1));
-                let face = lid_shade::LIDS_SEND + lid_shade::lids_take(v3(&x[samples..]) / 30.0);
-                let lids = [s.aside, s.upper_gap, s.lower_gap, face, lamp, within];
+                let send = lid_shade::LIDS_SEND;
+                let lids = [s.aside, s.upper_gap, s.lower_gap, send, lamp, within];
                 [&lids[..], &rgb(sky)].concat()
             },
             // A place among 31 intervals is good to 4e-6, between heights 2 mm apart.

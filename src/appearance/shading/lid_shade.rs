@@ -147,11 +147,6 @@ fn crossing(factors: &[DVec3; 9], a: DVec3, b: DVec3) -> DVec3 {
         + factors[8] * (a.x * b.x - a.y * b.y)
 }
 
-/// What of a lamp in this unit direction the lids' edges take.
-pub fn lids_take(light: DVec3) -> f64 {
-    light.dot(LIDS_FACE).max(0.0)
-}
-
 /// What of the lids' own radiance their edges and lashes have, which see half of the light (a choice).
 pub const LIDS_SEND: f64 = 0.5;
 

@@ -5,9 +5,21 @@ use crate::optics::smoothstep::smoothstep;
 use crate::tissue::sclera::LAMELLAE;
 use glam::{DVec2, DVec3};
 
+/// How far within and beyond the limbus' radius the sclera's lamellae fade over the cornea, mm (choices: half of the step of luminance is then at
+/// that radius, as half of a white-to-white diameter says, and the step as wide as in photographs, which `measure looks` shows).
+pub const LIMBUS_WITHIN_MM: f64 = 0.4;
+/// See [`LIMBUS_WITHIN_MM`].
+pub const LIMBUS_BEYOND_MM: f64 = 0.95;
+/// How far that is in all.
+pub const LIMBUS_MM: f64 = LIMBUS_WITHIN_MM + LIMBUS_BEYOND_MM;
+
 /// Share of the cornea (1 inside, 0 outside) at distance `r` from the axis: it ends softly.
 pub fn limbus_share(r: f64, limbus_radius: f64) -> f64 {
-    smoothstep(limbus_radius + 0.27, limbus_radius - 0.63, r)
+    smoothstep(
+        limbus_radius + LIMBUS_BEYOND_MM,
+        limbus_radius - LIMBUS_WITHIN_MM,
+        r,
+    )
 }
 
 /// The surface's normal there: the globe's outside, the cornea's own from a third of the way in.
@@ -32,22 +44,27 @@ pub fn limbus_through(passed: DVec3, whole: DVec3) -> DVec3 {
     kept * kept
 }
 
-/// How far from the axis (mm) a place counts as being where the transition is `width` mm wide and not 0.9, as
+/// How far from the axis (mm) a place counts as being where the transition is `width` mm wide and not [`LIMBUS_MM`], as
 /// [`limbus_share`] has it.
 pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
-    limbus_radius + (r - limbus_radius) * (0.9 / width.max(1e-3))
+    limbus_radius + (r - limbus_radius) * (LIMBUS_MM / width.max(1e-3))
 }
 
 /// How much narrower the transition is where it is narrowest (a choice: it changes along the limbus over one to four millimetres).
 const LIMBUS_UNEVEN: f64 = 0.22;
 
-/// Width of the transition at a place (mm from the axis), against 0.9 mm: above and below the sclera goes further over the cornea,
+/// Width of the transition at a place (mm from the axis), against [`LIMBUS_MM`]: above and below the sclera goes further over the cornea,
 /// whose vertical diameter looks a millimetre less, and here and there less far; `own` (rad) makes it that of this eye.
 pub fn limbus_width(at: DVec2, own: f64) -> f64 {
     let sine = at.y / at.length().max(1e-3);
     let broad = (1.1 * at.x + own).sin() + (1.5 * at.y - 1.3 * own).sin();
     let waves = broad + 0.6 * (2.9 * at.x + 1.7 * at.y + broad + 2.0 * own).sin();
     widest(sine) * (1.0 - LIMBUS_UNEVEN * (0.5 + waves / 5.2))
+}
+
+/// How far beyond the limbus' radius some of the cornea is seen at most, mm.
+pub fn limbal_reach_mm() -> f64 {
+    LIMBUS_BEYOND_MM * widest(1.0)
 }
 
 /// The most that it can be in this direction (`sine` of the angle to the horizontal).
@@ -57,21 +74,21 @@ fn widest(sine: f64) -> f64 {
 
 /// Radius (mm) within which the cornea alone is seen, in every direction.
 pub fn clear_cornea_mm(limbus_radius: f64) -> f64 {
-    limbus_radius - 0.63 * widest(1.0)
+    limbus_radius - LIMBUS_WITHIN_MM * widest(1.0)
 }
 
 /// What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do (a choice: it is
 /// nearly white there, and the limbus' own rim before it is clear).
 pub const ARCUS_DENSEST: f64 = 0.3;
 
-/// Width of the clear rim about it, mm, within the limbus' own edge, of which the last tenth is hardly seen (the lucid interval of Vogt; a choice
+/// Width of the clear rim about it, mm, within the limbus' own edge, of which the last seventh is hardly seen (the lucid interval of Vogt; a choice
 /// of its width).
 const ARCUS_CLEAR_MM: f64 = 0.12;
 
 /// Density of the lipid of an arcus at a place of the cornea, `r` mm from the axis: a ring with a clear rim outside it,
 /// within the limbus of this `width` ([`limbus_width`]), which comes first above and below; `lipid` 0 to 1.
 pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64, width: f64) -> f64 {
-    let inside = limbus_radius - r - 0.55 * width;
+    let inside = limbus_radius - r - 0.85 * LIMBUS_WITHIN_MM * width;
     let wide = 0.5 + 0.6 * lipid;
     let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside)
         * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
@@ -92,7 +109,7 @@ mod tests {
             let clear = clear_cornea_mm(limbus_mm);
             let share = |r: f64, turn: f64, own: f64| {
                 let width = limbus_width(DVec2::from_angle(turn) * r, own);
-                limbus_share(limbus_place(r, limbus_mm, 0.9 * width), limbus_mm)
+                limbus_share(limbus_place(r, limbus_mm, LIMBUS_MM * width), limbus_mm)
             };
             let mut least: f64 = 1.0;
             for k in 0..360 {
@@ -147,7 +164,10 @@ mod tests {
         // The lucid interval, which ends past where the limbus' own haze does, the ring, the clear middle.
         for sine in [0.0, 1.0] {
             let haze = |inside: f64| {
-                1.0 - limbus_share(limbus_place(5.85 - inside, 5.85, 0.9 * width(sine)), 5.85)
+                1.0 - limbus_share(
+                    limbus_place(5.85 - inside, 5.85, LIMBUS_MM * width(sine)),
+                    5.85,
+                )
             };
             let clear = (0..200)
                 .map(|k| 0.01 * f64::from(k))

@@ -14,9 +14,9 @@ use crate::appearance::shading::iris_shade::{
     IrisMaps, IrisSurface, iris_ambient, iris_lamp, iris_surface, pupil_edge,
 };
 use crate::appearance::shading::lid_shade::{
-    LIDS_FACE, LIDS_SEND, LidShade, lid_lamp, lid_sky_within, lids_at, lids_take,
+    LIDS_SEND, LidShade, lid_lamp, lid_sky_within, lids_at,
 };
-use crate::appearance::shading::limbus::{limbus_place, limbus_share, limbus_width};
+use crate::appearance::shading::limbus::{LIMBUS_MM, limbus_place, limbus_share, limbus_width};
 use crate::appearance::shading::near_light::{
     beam_gathers, beam_on, crosses_plane, iris_near_lamp, light_entry,
 };
@@ -195,7 +195,7 @@ impl IrisPicture {
         trace.point -= trace.direction * (root_mm / trace.direction.z.max(0.05));
         let r = trace.entry.truncate().length();
         let own = f64::from(self.globe.lens_turn);
-        let wide = 0.9 * limbus_width(trace.entry.truncate(), own);
+        let wide = LIMBUS_MM * limbus_width(trace.entry.truncate(), own);
         let limbus = self.frame.limbus;
         let landing = iris_landing(trace.point.truncate(), trace.direction, &self.frame);
         let start = iris_place(landing, &self.frame);
@@ -306,10 +306,7 @@ impl IrisPicture {
 
     /// Radiance of the lids' skin.
     fn lids_radiance(&self) -> DVec3 {
-        let even = ambient_light(&self.illumination.ambient, LIDS_FACE);
-        let lamps = self.illumination.lamps.iter();
-        let lamps = lamps.map(|own| own.color.as_dvec3() * lids_take(own.direction.as_dvec3()));
-        self.globe.lids_color.as_dvec3() * (even + lamps.sum::<DVec3>())
+        self.globe.lids_color.as_dvec3() * self.illumination.lids_lit.as_dvec3()
     }
 
     /// The lamps that give light, their directions in the eye frame.
