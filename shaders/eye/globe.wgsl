@@ -467,7 +467,8 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
             light += lamp.color * lid_lamp(shade, lamp.direction, lamp.radius) * max(dot(n_cornea, lamp.direction), 0.0);
         }
         let lipid = ARCUS_DENSEST * arcus_share(from_axis, sine, globe.limbus_mm, globe.arcus, rim);
-        through = through * lamellae_through(lipid) + lamellae_reflected(lipid) * light;
+        // Its droplets are larger than fibrils: white, not blue.
+        through = through * lamellae_through(lipid) + lamellae_reflected(lipid).g * light;
 #endif
 #ifdef WHITE
         diffuse = diffuse * limbus_white(lamellae_reflected(lies_over), globe.lamellae_reflect[7].rgb) + through * dims;

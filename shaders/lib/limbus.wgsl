@@ -50,22 +50,29 @@ fn limbus_width(at: vec2f, own: f32) -> f32 {
     let sine = at.y / max(length(at), 1e-3);
     let broad = sin(1.1 * at.x + own) + sin(1.5 * at.y - 1.3 * own);
     let uneven = 0.5 + (broad + 0.6 * sin(2.9 * at.x + 1.7 * at.y + broad + 2.0 * own)) / 5.2;
-    return (0.87 + 0.48 * sine * sine) * (1.0 - LIMBUS_UNEVEN * uneven);
+    return limbus_widest(sine) * (1.0 - LIMBUS_UNEVEN * uneven);
+}
+
+// The most that it can be in this direction (`sine` of the angle to the horizontal).
+fn limbus_widest(sine: f32) -> f32 {
+    return 0.87 + 0.48 * sine * sine;
 }
 
 // What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do.
 const ARCUS_DENSEST: f32 = 0.3;
 
 // Width (mm) of the clear rim about it.
-const ARCUS_CLEAR_MM: f32 = 0.12;
+const ARCUS_CLEAR_MM: f32 = 0.08;
 
-// Density of the lipid of an arcus at a place of the cornea, `r` from the axis: a ring with a clear rim outside it, within the limbus of this `width`
-// (`limbus_width`), which comes
-// first above and below; `lipid` 0 to 1.
+// Density of the lipid of an arcus at a place of the cornea, `r` from the axis: a ring, sharp outwards and soft inwards, with a clear rim outside
+// it, within the limbus of this `width` (`limbus_width`), which comes first and is broadest above and below and is as uneven as that limbus;
+// `lipid` 0 to 1.
 fn arcus_share(r: f32, sine: f32, limbus_radius: f32, lipid: f32, width: f32) -> f32 {
     let inside = limbus_radius - r - 0.85 * LIMBUS_WITHIN_MM * width;
-    let wide = 0.5 + 0.6 * lipid;
-    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside) * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
+    // 0 where that limbus is as wide as it can be there, 1 where it is narrowest.
+    let lean = (1.0 - width / limbus_widest(sine)) / LIMBUS_UNEVEN;
+    let wide = (0.5 + 0.6 * lipid) * (1.0 - 0.35 * lean) * (0.85 + 0.25 * sine * sine);
+    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.25, inside) * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
     let there = mix(0.65 * smoothstep(0.15, 0.85, lipid), smoothstep(0.0, 0.5, lipid), sine * sine);
-    return ring * there;
+    return ring * there * (1.0 - 0.3 * lean);
 }

@@ -59,22 +59,22 @@ pub fn limbus_width(at: DVec2, own: f64) -> f64 {
     let sine = at.y / at.length().max(1e-3);
     let broad = (1.1 * at.x + own).sin() + (1.5 * at.y - 1.3 * own).sin();
     let waves = broad + 0.6 * (2.9 * at.x + 1.7 * at.y + broad + 2.0 * own).sin();
-    widest(sine) * (1.0 - LIMBUS_UNEVEN * (0.5 + waves / 5.2))
+    limbus_widest(sine) * (1.0 - LIMBUS_UNEVEN * (0.5 + waves / 5.2))
 }
 
 /// How far beyond the limbus' radius some of the cornea is seen at most, mm.
 pub fn limbal_reach_mm() -> f64 {
-    LIMBUS_BEYOND_MM * widest(1.0)
+    LIMBUS_BEYOND_MM * limbus_widest(1.0)
 }
 
 /// The most that it can be in this direction (`sine` of the angle to the horizontal).
-fn widest(sine: f64) -> f64 {
+pub fn limbus_widest(sine: f64) -> f64 {
     0.87 + 0.48 * sine * sine
 }
 
 /// Radius (mm) within which the cornea alone is seen, in every direction.
 pub fn clear_cornea_mm(limbus_radius: f64) -> f64 {
-    limbus_radius - LIMBUS_WITHIN_MM * widest(1.0)
+    limbus_radius - LIMBUS_WITHIN_MM * limbus_widest(1.0)
 }
 
 /// What the lipid of an arcus scatters where it is densest, as a share of what all of the sclera's lamellae do (a choice: it is
@@ -83,18 +83,21 @@ pub const ARCUS_DENSEST: f64 = 0.3;
 
 /// Width of the clear rim about it, mm, within the limbus' own edge, of which the last seventh is hardly seen (the lucid interval of Vogt; a choice
 /// of its width).
-const ARCUS_CLEAR_MM: f64 = 0.12;
+const ARCUS_CLEAR_MM: f64 = 0.08;
 
-/// Density of the lipid of an arcus at a place of the cornea, `r` mm from the axis: a ring with a clear rim outside it,
-/// within the limbus of this `width` ([`limbus_width`]), which comes first above and below; `lipid` 0 to 1.
+/// Density of the lipid of an arcus at a place of the cornea, `r` mm from the axis: a ring, sharp outwards and soft inwards, with a clear rim
+/// outside it, within the limbus of this `width` ([`limbus_width`]), which comes first and is broadest above and below and is as uneven as that
+/// limbus; `lipid` 0 to 1.
 pub fn arcus_share(r: f64, sine: f64, limbus_radius: f64, lipid: f64, width: f64) -> f64 {
     let inside = limbus_radius - r - 0.85 * LIMBUS_WITHIN_MM * width;
-    let wide = 0.5 + 0.6 * lipid;
-    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.4, inside)
+    // 0 where that limbus is as wide as it can be there, 1 where it is narrowest.
+    let lean = (1.0 - width / limbus_widest(sine)) / LIMBUS_UNEVEN;
+    let wide = (0.5 + 0.6 * lipid) * (1.0 - 0.35 * lean) * (0.85 + 0.25 * sine * sine);
+    let ring = smoothstep(ARCUS_CLEAR_MM, ARCUS_CLEAR_MM + 0.25, inside)
         * (1.0 - smoothstep(ARCUS_CLEAR_MM + 0.35 * wide, wide + 0.6, inside));
     let first = smoothstep(0.0, 0.5, lipid);
     let last = 0.65 * smoothstep(0.15, 0.85, lipid);
-    ring * (last + (first - last) * sine * sine)
+    ring * (last + (first - last) * sine * sine) * (1.0 - 0.3 * lean)
 }
 
 #[cfg(test)]
@@ -142,7 +145,7 @@ mod tests {
         let around = |own: f64| -> Vec<f64> {
             let turns = (0..360).map(|k| DVec2::from_angle(f64::from(k).to_radians()));
             turns
-                .map(|turn| limbus_width(5.85 * turn, own) / widest(turn.y))
+                .map(|turn| limbus_width(5.85 * turn, own) / limbus_widest(turn.y))
                 .collect()
         };
         let (one, other) = (around(0.3), around(2.0));
@@ -155,7 +158,7 @@ mod tests {
 
     #[test]
     fn an_arcus_begins_above_and_below_and_leaves_the_rim_clear() {
-        let width = |sine: f64| 0.89 * widest(sine);
+        let width = |sine: f64| 0.89 * limbus_widest(sine);
         let at = |inside: f64, sine: f64, lipid: f64| {
             arcus_share(5.85 - inside, sine, 5.85, lipid, width(sine))
         };
@@ -175,6 +178,6 @@ mod tests {
             let clear = clear.expect("a clear rim");
             assert!(at(clear + 0.5, sine, 1.0) > 0.5, "{sine}: {clear}");
         }
-        assert!(at(1.2, 0.0, 1.0) > 0.5 && at(1.4, 1.0, 1.0) > 0.8 && at(2.4, 0.0, 1.0) == 0.0);
+        assert!(at(0.95, 0.0, 1.0) > 0.38 && at(1.15, 1.0, 1.0) > 0.65 && at(2.4, 0.0, 1.0) == 0.0);
     }
 }
