@@ -362,23 +362,25 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let origin = camera - apex;
     let t = conicoid_intersect(origin, direction, globe.anterior_radius_mm, globe.anterior_p);
-    if t > 0.0 {
-        let hit = origin + t * direction;
+    // Beyond the limbus' radius the surface is the globe's, of which the conicoid knows nothing.
+    let beyond = length(p.xy) >= globe.limbus_mm;
+    if t > 0.0 || beyond {
+        let hit = select(origin + t * direction, p - apex, beyond);
         let r = length(hit.xy);
         sine = hit.y / max(r, 1e-3);
         from_axis = r;
 #ifdef ARCUS
         rim = limbus_width(hit.xy, globe.lens_turn);
 #endif
-        if r < globe.limbus_mm { p = hit + apex; }
+        if !beyond { p = hit + apex; }
 #ifdef WHITE
         let wide = limbus_width(hit.xy, globe.lens_turn);
 #ifdef ARTISTIC
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_color_mm), globe.limbus_mm);
-        let shaped = limbus_share(limbus_place(r, globe.limbus_mm, wide * globe.look.limbus_shading_mm), globe.limbus_mm);
+        let shaped = limbus_shaped(r, globe.limbus_mm, wide * globe.look.limbus_shading_mm);
 #else
         corneal = limbus_share(limbus_place(r, globe.limbus_mm, wide * LIMBUS_MM), globe.limbus_mm);
-        let shaped = corneal;
+        let shaped = limbus_shaped(r, globe.limbus_mm, wide * LIMBUS_MM);
 #endif
         normal = limbus_normal(normal, conicoid_normal(hit, globe.anterior_radius_mm, globe.anterior_p), shaped);
 #else

@@ -41,6 +41,11 @@ fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
     return limbus_radius + (r - limbus_radius) * (LIMBUS_MM / max(width, 1e-3));
 }
 
+// Share of the cornea's own shape where its transition into the globe's is `width` mm wide: that ends at the limbus' radius.
+fn limbus_shaped(r: f32, limbus_radius: f32, width: f32) -> f32 {
+    return limbus_share(limbus_place(r, limbus_radius, width) + LIMBUS_BEYOND_MM, limbus_radius);
+}
+
 // How much narrower the transition is where it is narrowest.
 const LIMBUS_UNEVEN: f32 = 0.22;
 

@@ -373,7 +373,9 @@ impl Builder<'_, '_, '_, '_> {
         parts.lashes = Some(Lashes::new(seed));
         parts.brow = region.map(|region| Brow::new(region, brow::COUNT, seed));
         parts.brow_level = None;
-        parts.brow_mesh = self.assets.meshes.add(empty_mesh());
-        self.add(parts.brow_mesh.clone(), MeshMaterial3d(material));
+        if parts.brow.is_some() {
+            parts.brow_mesh = self.assets.meshes.add(empty_mesh());
+            self.add(parts.brow_mesh.clone(), MeshMaterial3d(material));
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! The light that falls on an eye, as its shaders read it: kept in step with
 //! `shaders/lib/surroundings.wgsl`.
 
-use bevy::math::{Vec3, Vec4};
+use super::shading::lid_shade::LIDS_FACE;
+use super::shading::surroundings::ambient_light;
+use bevy::math::{DVec3, Vec3, Vec4};
 use bevy::reflect::Reflect;
 use bevy::render::render_resource::ShaderType;
 
@@ -54,6 +56,15 @@ pub struct Illumination {
 }
 
 impl Illumination {
+    /// With what its surroundings and lamps give the lids' edges.
+    pub fn lighting_lids(mut self) -> Self {
+        let take = |lamp: &Lamp| lamp.direction.as_dvec3().dot(LIDS_FACE).max(0.0);
+        let lamps = self.lamps.iter();
+        let lit: DVec3 = lamps.map(|lamp| lamp.color.as_dvec3() * take(lamp)).sum();
+        self.lids_lit = (lit + ambient_light(&self.ambient, LIDS_FACE)).as_vec3();
+        self
+    }
+
     /// What the pipeline is told of it.
     pub(super) fn key(&self) -> LightKey {
         let lit = |lamp: &Lamp| lamp.color.max_element() > 0.0;

@@ -92,8 +92,8 @@ pub struct IrisLight {
 }
 
 impl IrisLight {
-    /// Share of it that a limbus of this radius lets in: light that would have to enter outside it meets the sclera. The edge is as
-    /// soft as the limbus itself.
+    /// Share of it that a limbus of this radius lets in: light that would have to enter outside it meets the sclera. The edge is soft, as
+    /// light goes sideways in the lamellae (a choice; they send on what is seen beyond it).
     pub fn passes_limbus(&self, limbus_mm: f64) -> f64 {
         smoothstep(limbus_mm + 0.5, limbus_mm - 0.3, self.entry_radius_mm)
     }

@@ -262,6 +262,7 @@ pub fn light_eyes(
             && let Some((_, orbit)) = cameras.iter().find(|(camera, _)| camera.0 == entity)
         {
             illumination.lamps[0] = studio.light.on_the_lens(orbit);
+            illumination = illumination.lighting_lids();
         }
         let map = match known {
             Some(lit)

@@ -335,7 +335,7 @@ fn ground(
     let sideways = smoothstep(32.0, 80.0, x.abs() + 4.0 * cloud) * (-(y / 38.0).powi(2)).exp();
     let elastotic = pinguecula(settings, place) * (1.0 + cloud);
     let tissue = ScleralTissue {
-        // Half of them end beyond the limbus; those over the cornea are the shader's.
+        // About the limbus' radius half of them end; how they let the cornea be seen is the shader's.
         sclera_mm: f64::from(thickness_mm(settings, place) * lerp(0.5, 1.0, lamellae)),
         blood_share: f64::from(
             (QUIET_BLOOD * (0.8 + 0.4 * age)

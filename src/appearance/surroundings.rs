@@ -6,7 +6,6 @@
 
 use super::illumination::{Illumination, Lamp, MOST_LAMPS};
 use super::images::{Level, map_image};
-use super::shading::lid_shade::LIDS_FACE;
 use super::shading::surroundings::{ambient_basis, ambient_light, surroundings_direction};
 use crate::frame::mips::chain;
 use bevy::image::Image;
@@ -132,10 +131,11 @@ impl Surroundings {
         Illumination {
             lamps,
             ambient: self.ambient.map(|factor| factor.extend(0.0)),
-            lids_lit: self.irradiance(LIDS_FACE).as_vec3(),
             exposure: self.exposure,
             is_luminance: if self.is_luminance { 1.0 } else { 0.0 },
+            ..Illumination::default()
         }
+        .lighting_lids()
     }
 
     /// The map as a texture.
@@ -195,6 +195,28 @@ pub fn lamp_color(direction: DVec3, reach_rad: f64, radiance: impl Fn(DVec3) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_lids_are_lit_by_all_of_it_and_by_a_lamp_that_moved() {
+        use crate::appearance::shading::lid_shade::LIDS_FACE;
+        let lamp = |y: f32| Lamp {
+            direction: Vec3::new(0.2, y, -1.0).normalize(),
+            color: Vec3::new(0.5, 0.4, 0.3),
+            ..Lamp::default()
+        };
+        let lit_by = |y: f32| {
+            let mut around = Surroundings::even(Vec3::new(0.2, 0.3, 0.4));
+            around.lamps = vec![lamp(y), lamp(3.0)];
+            around
+        };
+        let low = lit_by(-0.4);
+        let wanted = low.irradiance(LIDS_FACE).as_vec3();
+        assert!(low.illumination().lids_lit.distance(wanted) < 1e-6);
+        let mut moved = lit_by(1.0).illumination();
+        assert!(moved.lids_lit.distance(wanted) > 0.1);
+        moved.lamps[0] = lamp(-0.4);
+        assert!(moved.lighting_lids().lids_lit.distance(wanted) < 1e-6);
+    }
 
     /// Irradiance / π by the integral itself.
     fn integral(n: DVec3, radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {

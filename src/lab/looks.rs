@@ -7,7 +7,9 @@
 
 use super::headless::{Headless, HeadlessError, Which};
 use crate::anatomy::Laterality;
-use crate::appearance::EyeOrbit;
+use crate::appearance::materials::LidMargins;
+use crate::appearance::shading::lid_shade::lids_at;
+use crate::appearance::{EyeOrbit, GlobeMaterial};
 use crate::motion::MotionCommand;
 use crate::motion::engine::GazeCommand;
 use crate::optics::output::{linear_to_srgb, srgb_decode};
@@ -17,6 +19,7 @@ use crate::stage::Session;
 use crate::tissue::colour_difference::linear_srgb_to_lab;
 use bevy::camera::Projection;
 use bevy::math::{DMat3, DVec2, DVec3, UVec2};
+use bevy::prelude::{Assets, MeshMaterial3d, World};
 use image::RgbaImage;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -73,7 +76,10 @@ pub const MEANING: &str = "How the patient's eye looks beside photographs of eye
 struct Picture {
     size: u32,
     linear: Vec<DVec3>,
+    /// Is it between the lids?
+    open: Vec<bool>,
     center: DVec2,
+    /// Radius of the pupil, pixels; not a number where none is seen.
     pupil_px: f64,
     /// Radius of the limbus, pixels.
     limbus_px: f64,
@@ -91,8 +97,14 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
+/// Median of each channel.
+fn middle_of(own: &[DVec3]) -> DVec3 {
+    DVec3::from([0, 1, 2].map(|k| median(own.iter().map(|c| c[k]).collect())))
+}
+
 impl Picture {
-    fn new(picture: &RgbaImage, limbus_px: f64, nose: f64) -> Self {
+    /// `open` says what is between the lids: a place by limbus radii to the right of the middle and down.
+    fn new(picture: &RgbaImage, limbus_px: f64, nose: f64, open: impl Fn(DVec2) -> bool) -> Self {
         let size = picture.width();
         let decode = |code: u8| srgb_decode(f64::from(code) / 255.0);
         let pixels = picture.pixels();
@@ -101,40 +113,69 @@ impl Picture {
             .collect();
         // That of the cornea, from which a pupil's may be a few tenths of a millimetre off.
         let center = DVec2::splat(f64::from(size) * 0.5);
-        // The pupil: what is dark around the middle.
-        let is_pupil = |(i, c): &(usize, &DVec3)| {
-            place(*i, size).distance(center) < 0.45 * limbus_px && luminance(**c) < 0.02
-        };
-        let count = linear.iter().enumerate().filter(is_pupil).count() as f64;
-        Self {
+        let off = |i: usize| (place(i, size) - center) / limbus_px;
+        let open = (0..linear.len()).map(|i| open(off(i))).collect();
+        let mut own = Self {
             size,
             linear,
+            open,
             center,
-            pupil_px: f64::sqrt(count / core::f64::consts::PI),
+            pupil_px: f64::NAN,
             limbus_px,
             nose,
+        };
+        // The pupil: what is dark around the middle, to where most of a ring is not.
+        let is_dark = |c: &DVec3| luminance(*c) < 0.02;
+        let ring = |from: f64| {
+            let ring = own.where_is(|r, _| (from..from + 0.02).contains(&r));
+            2 * ring.iter().filter(|c| is_dark(c)).count() >= ring.len()
+        };
+        let edge = (0..50)
+            .map(|step| 0.02 * f64::from(step))
+            .find(|from| !ring(*from));
+        let within = edge.map_or(0.0, |edge| (1.25 * edge).max(0.45));
+        let around = own.where_is(|r, _| r < within);
+        if own.where_is(|r, _| r < 0.1).iter().any(is_dark) {
+            let count = around.iter().filter(|c| is_dark(c)).count() as f64;
+            own.pupil_px = f64::sqrt(count / core::f64::consts::PI);
         }
+        own
     }
 
     /// Linear light where `chosen` takes a place: radius over the limbus's, angle (rad) from the nose's side, downwards.
-    fn where_is(&self, chosen: impl Fn(f64, f64) -> bool) -> Vec<DVec3> {
-        let all = self.linear.iter().enumerate();
-        all.filter(|(i, _)| {
-            let off = place(*i, self.size) - self.center;
-            let radius = off.length() / self.limbus_px;
-            chosen(radius, off.y.atan2(self.nose * off.x))
-        })
-        .map(|(_, c)| *c)
-        .collect()
+    fn anywhere(&self, chosen: impl Fn(f64, f64) -> bool) -> Vec<(bool, DVec3)> {
+        let all = self.open.iter().copied().zip(self.linear.iter().copied());
+        all.enumerate()
+            .filter(|(i, _)| {
+                let off = place(*i, self.size) - self.center;
+                let radius = off.length() / self.limbus_px;
+                chosen(radius, off.y.atan2(self.nose * off.x))
+            })
+            .map(|(_, own)| own)
+            .collect()
     }
 
-    /// Median colour of a round patch at (towards the nose, down) limbus radii.
+    /// The same between the lids; nothing where they cover most of it.
+    fn where_is(&self, chosen: impl Fn(f64, f64) -> bool) -> Vec<DVec3> {
+        let all = self.anywhere(chosen);
+        let seen: Vec<DVec3> = all.iter().filter(|own| own.0).map(|own| own.1).collect();
+        if 2 * seen.len() < all.len() {
+            return Vec::new();
+        }
+        seen
+    }
+
+    /// Median colour of a round patch of the eye at (towards the nose, down) limbus radii.
     fn patch(&self, nasal: f64, down: f64, radius: f64) -> DVec3 {
         let at = DVec2::new(nasal, down);
-        let own = self
-            .where_is(|r, angle| at.distance(r * DVec2::new(angle.cos(), angle.sin())) < radius);
-        let channel = |k: usize| median(own.iter().map(|c| c[k]).collect());
-        DVec3::new(channel(0), channel(1), channel(2))
+        middle_of(&self.where_is(|r, angle| at.distance(r * DVec2::from_angle(angle)) < radius))
+    }
+
+    /// That of one of the skin.
+    fn skin(&self, nasal: f64, down: f64, radius: f64) -> DVec3 {
+        let at = DVec2::new(nasal, down);
+        let own = self.anywhere(|r, angle| at.distance(r * DVec2::from_angle(angle)) < radius);
+        middle_of(&own.into_iter().map(|own| own.1).collect::<Vec<_>>())
     }
 
     /// Median luminance by radius (limbus radii) on the nose's side (1) or the temple's (−1), in steps of a hundredth from 0.7 to 1.4.
@@ -165,15 +206,23 @@ fn place(index: usize, size: u32) -> DVec2 {
 /// Where 10 and 90 % of the step of luminance from iris to white are, in limbus radii: the means of both sides, whose irides and whites may
 /// differ.
 fn limbal_step(picture: &Picture) -> [f64; 2] {
-    let [nasal, temporal] = [1.0, -1.0].map(|side| step_of(&picture.profile(side)));
+    let pupil = 1.1 * picture.pupil_px / picture.limbus_px;
+    let [nasal, temporal] = [1.0, -1.0].map(|side| step_of(&picture.profile(side), pupil));
     [0, 1].map(|k| 0.5 * (nasal[k] + temporal[k]))
 }
 
-/// The same of one side's profile.
-fn step_of(profile: &[(f64, f64)]) -> [f64; 2] {
-    let darkest = (0..35).min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1));
-    let from = &profile[darkest.unwrap_or(0)..];
-    let dark = from.first().map_or(0.0, |p| p.1);
+/// The same of one side's profile, outside a pupil: not a number where lids or pupil leave less of it.
+fn step_of(profile: &[(f64, f64)], pupil: f64) -> [f64; 2] {
+    let first = profile.iter().position(|p| p.0 > pupil);
+    let Some(first) = first.filter(|first| *first < 20) else {
+        return [f64::NAN; 2];
+    };
+    if profile[first..60].iter().any(|p| p.1.is_nan()) {
+        return [f64::NAN; 2];
+    }
+    let darkest = (first..35).min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1));
+    let from = &profile[darkest.unwrap_or(first)..];
+    let dark = from.first().map_or(f64::NAN, |p| p.1);
     let white = from
         .iter()
         .filter(|p| p.0 < 1.3)
@@ -181,7 +230,7 @@ fn step_of(profile: &[(f64, f64)]) -> [f64; 2] {
         .fold(0.0, f64::max);
     let crossing = |share: f64| {
         let level = dark + share * (white - dark);
-        from.iter().find(|p| p.1 >= level).map_or(0.0, |p| p.0)
+        from.iter().find(|p| p.1 >= level).map_or(f64::NAN, |p| p.0)
     };
     [0.1, 0.9].map(crossing)
 }
@@ -192,7 +241,7 @@ fn vessels(picture: &Picture) -> (f64, f64) {
     for radius in [1.35, 1.5] {
         for side in [0.0, core::f64::consts::PI] {
             let steps = 240;
-            let green: Vec<f64> = (0..steps)
+            let green: Vec<Option<f64>> = (0..steps)
                 .map(|i| {
                     let angle = side + 0.45 * (2.0 * f64::from(i) / f64::from(steps) - 1.0);
                     let at = picture.center
@@ -200,10 +249,13 @@ fn vessels(picture: &Picture) -> (f64, f64) {
                             * picture.limbus_px
                             * DVec2::new(picture.nose * angle.cos(), angle.sin());
                     let index = at.y as usize * picture.size as usize + at.x as usize;
-                    picture.linear.get(index).map_or(0.0, |c| c.y)
+                    let is_open = picture.open.get(index).copied().unwrap_or(false);
+                    is_open.then(|| picture.linear[index].y)
                 })
                 .collect();
-            length += 0.9 * radius / 2.0;
+            // What of the arc is between the lids, in one piece.
+            let green: Vec<f64> = green.into_iter().flatten().collect();
+            length += 0.9 * radius / 2.0 * green.len() as f64 / f64::from(steps);
             // What is darker than both sides of it, a fiftieth of an iris away.
             let step = (0.02 * 2.0 / (0.9 * radius / f64::from(steps))) as usize;
             let mut i = step;
@@ -316,10 +368,13 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
     };
     let sclera = 0.5 * (picture.patch(1.3, 0.1, 0.07) + picture.patch(-1.3, 0.1, 0.07));
     let corner = picture.patch(1.75, 0.0, 0.08);
-    let skin = picture.patch(0.0, 1.75, 0.15);
+    let skin = picture.skin(0.0, 1.75, 0.15);
     let lab = |c: DVec3| linear_srgb_to_lab(c.to_array());
-    let lamps = picture.where_is(|r, _| r < 1.0).into_iter();
-    let lit = lamps.filter(|c| luminance(*c) > 0.75).count() as f64;
+    let cornea = picture.where_is(|r, _| r < 1.0);
+    let lit = match cornea.len() {
+        0 => f64::NAN,
+        _ => cornea.iter().filter(|c| luminance(**c) > 0.75).count() as f64,
+    };
     let area = core::f64::consts::PI * picture.limbus_px.powi(2);
     let (crossings, contrast) = vessels(picture);
     let pupil = luminance(picture.patch(0.0, 0.0, 0.5 * pupil_share));
@@ -459,6 +514,14 @@ fn rows(picture: &Picture) -> ([DVec3; 2], Vec<LookRow>) {
     ([iris, sclera], rows)
 }
 
+/// The lids' margins, as the shaders have them.
+fn margins(world: &mut World) -> LidMargins {
+    let mut parts = world.query::<&MeshMaterial3d<GlobeMaterial>>();
+    let materials = world.resource::<Assets<GlobeMaterial>>();
+    let first = parts.iter(world).find_map(|part| materials.get(&part.0));
+    first.map_or_else(Default::default, |material| material.globe.lids)
+}
+
 /// Renders the patient's eye from the front in a window's light and measures it.
 ///
 /// # Errors
@@ -508,7 +571,14 @@ pub fn looks(patient: &PatientFile) -> Result<Looks, HeadlessError> {
     } else {
         -1.0
     };
-    let picture = Picture::new(&drawn, patient.limbus_radius_mm * px_per_mm, nose);
+    let lids = margins(headless.world());
+    let limbus_mm = patient.limbus_radius_mm;
+    // The head's x goes to its left.
+    let open = |at: DVec2| {
+        let shade = lids_at(&lids, DVec3::new(-at.x, -at.y, 0.0) * limbus_mm);
+        shade.upper_gap > 0.0 && shade.lower_gap > 0.0
+    };
+    let picture = Picture::new(&drawn, limbus_mm * px_per_mm, nose, open);
     let ([iris, sclera], rows) = rows(&picture);
     let codes = |c: DVec3| (linear_to_srgb(c) * 255.0).to_array().map(f64::round);
     Ok(Looks {
@@ -556,6 +626,7 @@ mod tests {
             let picture = Picture {
                 size: 1024,
                 linear: linear.collect(),
+                open: vec![true; 1024 * 1024],
                 center: DVec2::splat(512.0),
                 pupil_px: 60.0,
                 limbus_px: 205.0,
@@ -595,7 +666,7 @@ mod tests {
 
     #[test]
     fn what_is_drawn_is_what_is_measured() {
-        let picture = Picture::new(&drawn(120.0, 0.2, 40), 120.0, 1.0);
+        let picture = Picture::new(&drawn(120.0, 0.2, 40), 120.0, 1.0, |_| true);
         assert!(picture.center.distance(DVec2::splat(256.0)) < 0.5);
         assert!((picture.pupil_px / 36.0 - 1.0).abs() < 0.02);
         // 10 to 90 % of a linear step 0.2 wide.
@@ -607,7 +678,7 @@ mod tests {
         assert!((width - 0.16).abs() < 0.021, "{width}");
         let middle = limbal_step(&picture).iter().sum::<f64>() / 2.0;
         assert!((middle - 1.0).abs() < 0.011, "{middle}");
-        let sharp = Picture::new(&drawn(120.0, 0.05, 40), 120.0, 1.0);
+        let sharp = Picture::new(&drawn(120.0, 0.05, 40), 120.0, 1.0, |_| true);
         assert!(width_of(&sharp) < 0.07);
         // A pupil beside the middle and less light on one side change nothing of it.
         let mut uneven = drawn(120.0, 0.2, 0);
@@ -621,7 +692,7 @@ mod tests {
                 *pixel = Rgba([10, 10, 10, 255]);
             }
         }
-        let beside = Picture::new(&uneven, 120.0, 1.0);
+        let beside = Picture::new(&uneven, 120.0, 1.0, |_| true);
         assert!((width_of(&beside) - width).abs() < 0.006);
         let (crossings, contrast) = super::vessels(&picture);
         // 40 a turn: 40/2π a radian, of a radius of half a diameter times 1.35 and 1.5.
@@ -631,8 +702,27 @@ mod tests {
             "{crossings} {expected}"
         );
         assert!((contrast - 0.2).abs() < 0.03, "{contrast}");
+        // Lids that are shut leave nothing to be measured, nor does a pupil that fills the cornea a limbus; one of half of it is as wide.
+        let shut = Picture::new(&drawn(120.0, 0.2, 40), 120.0, 1.0, |_| false);
+        let (_, nothing) = rows(&shut);
+        let of_eye = |row: &&LookRow| !row.quantity.starts_with("skin");
+        assert!(nothing.iter().filter(of_eye).all(|row| row.ours.is_none()));
+        for share in [0.6, 0.95] {
+            let mut wide = drawn(120.0, 0.2, 40);
+            for (x, y, pixel) in wide.enumerate_pixels_mut() {
+                let off = DVec2::new(f64::from(x), f64::from(y)) - 256.0;
+                if off.length() < share * 120.0 {
+                    *pixel = Rgba([10, 10, 10, 255]);
+                }
+            }
+            let wide = Picture::new(&wide, 120.0, 1.0, |_| true);
+            assert!((wide.pupil_px / 120.0 - share).abs() < 0.01, "{share}");
+            let [from, to] = limbal_step(&wide);
+            assert_eq!(from.is_nan() && to.is_nan(), share > 0.9);
+            assert!(share > 0.9 || (to - from - width).abs() < 0.011);
+        }
         assert_eq!(
-            super::vessels(&Picture::new(&drawn(120.0, 0.2, 0), 120.0, 1.0)).0,
+            super::vessels(&Picture::new(&drawn(120.0, 0.2, 0), 120.0, 1.0, |_| true)).0,
             0.0
         );
     }

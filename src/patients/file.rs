@@ -415,8 +415,8 @@ with_conditions! { patient_file! {
         look_cornea_specularity = Look::DEFAULT.cornea_specularity, 0 to 4, "", "artist's: strength of the cornea's reflection, against its own";
         look_limbus_dark = Look::DEFAULT.limbus_dark, 0 to 4, "", "artist's: how dark the limbal ring is, against its own";
         look_limbus_power = Look::DEFAULT.limbus_power, 0.25 to 4, "", "artist's: power of that ring's profile";
-        look_limbus_color_mm = Look::DEFAULT.limbus_color_mm, 0.1 to 1.6, "mm", "artist's: width over which iris goes over into white";
-        look_limbus_shading_mm = Look::DEFAULT.limbus_shading_mm, 0.05 to 1.6, "mm", "artist's: width over which the cornea's shape goes over into the white's";
+        look_limbus_color_mm = Look::DEFAULT.limbus_color_mm, 0.1 to 1.35, "mm", "artist's: width over which iris goes over into white";
+        look_limbus_shading_mm = Look::DEFAULT.limbus_shading_mm, 0.05 to 1.35, "mm", "artist's: width over which the cornea's shape goes over into the white's";
         look_white_brightness = Look::DEFAULT.white_brightness, 0 to 4, "", "artist's: brightness of the white, against its own";
         look_white_roughness = Look::DEFAULT.white_roughness, 0.02 to 1, "", "artist's: roughness of the wet white";
         look_white_specularity = Look::DEFAULT.white_specularity, 0 to 4, "", "artist's: strength of its reflections, against their own";

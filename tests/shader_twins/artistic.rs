@@ -12,18 +12,21 @@ fn an_artists_changes() {
         &Twin {
             name: "limbus_place",
             library: &["limbus"],
-            call: "y[0] = limbus_place(x[0], x[1], x[2]);",
+            call: "y[0] = limbus_place(x[0], x[1], x[2]); y[1] = limbus_shaped(x[0], x[1], x[2]);",
             draw: &|rng| {
                 let limbus = between(rng, 5.0, 6.5);
                 vec![
                     limbus + between(rng, -1.5, 1.0),
                     limbus,
-                    between(rng, 0.1, 1.1),
+                    between(rng, 0.1, 1.35),
                 ]
             },
-            exact: &|x| vec![limbus::limbus_place(x[0], x[1], x[2])],
-            // Nine times 1.5 mm, and 6.5 mm, in f32.
-            absolute: 2e-5,
+            exact: &|x| {
+                let place = limbus::limbus_place(x[0], x[1], x[2]);
+                vec![place, limbus::limbus_shaped(x[0], x[1], x[2])]
+            },
+            // Fourteen times 1.5 mm, and 6.5 mm, in f32.
+            absolute: 3e-5,
             relative: 0.0,
             steep_share: 0.0,
         },
@@ -79,4 +82,7 @@ fn an_artists_changes() {
         assert!((change - f64::from(own > 0.0)).abs() < 1e-12, "{own}");
     }
     assert_eq!(limbus::limbus_place(5.5, 5.85, limbus::LIMBUS_MM), 5.5);
+    let look = ocularium::anatomy::Look::DEFAULT;
+    assert_eq!(look.limbus_color_mm, limbus::LIMBUS_MM);
+    assert_eq!(look.limbus_shading_mm, limbus::LIMBUS_MM);
 }

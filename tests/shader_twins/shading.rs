@@ -361,7 +361,7 @@ fn the_limbus() {
                 );
                 let cornea = cornea.normalize().to_array().map(|v| v as f32);
                 [
-                    &[limbus + between(rng, -1.5, 1.0), limbus][..],
+                    &[limbus + between(rng, -1.5, 1.5), limbus][..],
                     &globe,
                     &cornea,
                     &[between(rng, 0.0, 1.0)],
@@ -392,7 +392,7 @@ fn the_limbus() {
                 out.push(limbus::limbus_width(place, 6.0 * x[8]));
                 out
             },
-            // 6 mm carries 5e-7; over an edge of 1.05 mm and then over 0.35 of the share.
+            // 6 mm carries 5e-7; over an edge of 1.35 mm and then over 0.35 of the share.
             absolute: 8e-6,
             relative: 0.0,
             steep_share: 0.001,

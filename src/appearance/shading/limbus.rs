@@ -50,6 +50,14 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
     limbus_radius + (r - limbus_radius) * (LIMBUS_MM / width.max(1e-3))
 }
 
+/// Share of the cornea's own shape where its transition into the globe's is `width` mm wide: that ends at the limbus' radius.
+pub fn limbus_shaped(r: f64, limbus_radius: f64, width: f64) -> f64 {
+    limbus_share(
+        limbus_place(r, limbus_radius, width) + LIMBUS_BEYOND_MM,
+        limbus_radius,
+    )
+}
+
 /// How much narrower the transition is where it is narrowest (a choice: it changes along the limbus over one to four millimetres).
 const LIMBUS_UNEVEN: f64 = 0.22;
 
@@ -125,6 +133,29 @@ mod tests {
             }
             assert!(least < 1.0);
         }
+    }
+
+    /// What is beyond the mesh of the limbus has no code of the cornea, and beyond the limbus' radius there is none of its shape.
+    #[test]
+    fn no_cornea_is_seen_beyond_the_limbus_mesh() {
+        let limbus_mm = 5.85;
+        let reach = limbus_mm + limbal_reach_mm();
+        let mut most: f64 = 0.0;
+        for k in 0..360 {
+            let turn = DVec2::from_angle(f64::from(k).to_radians());
+            for own in [0.0, 1.0, 2.5, 4.4] {
+                let share = |r: f64| {
+                    let width = LIMBUS_MM * limbus_width(turn * r, own);
+                    limbus_share(limbus_place(r, limbus_mm, width), limbus_mm)
+                };
+                assert_eq!(share(reach + 1e-9), 0.0, "{k}");
+                most = most.max(share(reach - 0.2));
+                let width = LIMBUS_MM * limbus_width(turn * limbus_mm, own);
+                assert!(limbus_shaped(limbus_mm, limbus_mm, width) < 1e-9);
+                assert!(limbus_shaped(limbus_mm - 0.7, limbus_mm, width) > 0.3);
+            }
+        }
+        assert!(most > 0.0);
     }
 
     #[test]
