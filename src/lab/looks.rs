@@ -133,9 +133,11 @@ impl Picture {
         let edge = (0..50)
             .map(|step| 0.02 * f64::from(step))
             .find(|from| !ring(*from));
-        let within = edge.map_or(0.0, |edge| (1.25 * edge).max(0.45));
-        let around = own.where_is(|r, _| r < within);
-        if own.where_is(|r, _| r < 0.1).iter().any(is_dark) {
+        // A black iris has no such edge.
+        if let Some(edge) = edge
+            && own.where_is(|r, _| r < 0.1).iter().any(is_dark)
+        {
+            let around = own.where_is(|r, _| r < (1.25 * edge).max(0.45));
             let count = around.iter().filter(|c| is_dark(c)).count() as f64;
             own.pupil_px = f64::sqrt(count / core::f64::consts::PI);
         }
