@@ -362,10 +362,12 @@ fn fragment(in: Surface) -> @location(0) vec4<f32> {
     let apex = vec3f(0.0, 0.0, -globe.apex_mm);
     let origin = camera - apex;
     let t = conicoid_intersect(origin, direction, globe.anterior_radius_mm, globe.anterior_p);
-    // Beyond the limbus' radius the surface is the globe's, of which the conicoid knows nothing.
-    let beyond = length(p.xy) >= globe.limbus_mm;
+    let met = origin + t * direction;
+    // Beyond the limbus' radius the surface is the globe's, of which the conicoid knows nothing; but it may stand before it.
+    let before = t > 0.0 && t < dot(p - camera, direction) && length(met.xy) < globe.limbus_mm;
+    let beyond = length(p.xy) >= globe.limbus_mm && !before;
     if t > 0.0 || beyond {
-        let hit = select(origin + t * direction, p - apex, beyond);
+        let hit = select(met, p - apex, beyond);
         let r = length(hit.xy);
         sine = hit.y / max(r, 1e-3);
         from_axis = r;

@@ -41,9 +41,9 @@ fn limbus_place(r: f32, limbus_radius: f32, width: f32) -> f32 {
     return limbus_radius + (r - limbus_radius) * (LIMBUS_MM / max(width, 1e-3));
 }
 
-// Share of the cornea's own shape where its transition into the globe's is `width` mm wide: that ends at the limbus' radius.
+// Share of the cornea's own shape where the transition is `width` mm wide: all of it where the cornea is clear, none from the limbus' radius on.
 fn limbus_shaped(r: f32, limbus_radius: f32, width: f32) -> f32 {
-    return limbus_share(limbus_place(r, limbus_radius, width) + LIMBUS_BEYOND_MM, limbus_radius);
+    return smoothstep(limbus_radius, limbus_radius - LIMBUS_WITHIN_MM, limbus_place(r, limbus_radius, width));
 }
 
 // How much narrower the transition is where it is narrowest.

@@ -320,7 +320,7 @@ pub fn move_lids(
             && let Some(mut mesh) = assets.meshes.get_mut(&parts.brow_mesh)
         {
             fill_brow(&mut mesh, brow, parts.hair_level, region, shape, mirror);
-            vertices += mesh.count_vertices();
+            ledger.bytes_uploaded(mesh.count_vertices() as u64 * 48);
             parts.brow_level = Some(parts.hair_level);
         }
         if let Some(mut mesh) = assets.meshes.get_mut(&parts.meniscus_mesh) {

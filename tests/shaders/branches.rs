@@ -305,7 +305,11 @@ fn a_branch_on_a_uniform_is_found_wherever_it_stands() {
     let text = globe.text();
     // In the entry point's file, and where a function gives a loop its end.
     for (from, to, function) in [
-        ("if t > 0.0 {", "if globe.apex_mm > 0.0 {", "fragment"),
+        (
+            "if t > 0.0 || beyond {",
+            "if globe.apex_mm > 0.0 {",
+            "fragment",
+        ),
         (
             "i < LAMPS",
             "i < i32(illumination.exposure)",

@@ -50,12 +50,10 @@ pub fn limbus_place(r: f64, limbus_radius: f64, width: f64) -> f64 {
     limbus_radius + (r - limbus_radius) * (LIMBUS_MM / width.max(1e-3))
 }
 
-/// Share of the cornea's own shape where its transition into the globe's is `width` mm wide: that ends at the limbus' radius.
+/// Share of the cornea's own shape where the transition is `width` mm wide: all of it where the cornea is clear, none from the limbus' radius on.
 pub fn limbus_shaped(r: f64, limbus_radius: f64, width: f64) -> f64 {
-    limbus_share(
-        limbus_place(r, limbus_radius, width) + LIMBUS_BEYOND_MM,
-        limbus_radius,
-    )
+    let place = limbus_place(r, limbus_radius, width);
+    smoothstep(limbus_radius, limbus_radius - LIMBUS_WITHIN_MM, place)
 }
 
 /// How much narrower the transition is where it is narrowest (a choice: it changes along the limbus over one to four millimetres).
@@ -152,7 +150,8 @@ mod tests {
                 most = most.max(share(reach - 0.2));
                 let width = LIMBUS_MM * limbus_width(turn * limbus_mm, own);
                 assert!(limbus_shaped(limbus_mm, limbus_mm, width) < 1e-9);
-                assert!(limbus_shaped(limbus_mm - 0.7, limbus_mm, width) > 0.3);
+                let clear = clear_cornea_mm(limbus_mm);
+                assert_eq!(limbus_shaped(clear, limbus_mm, width), 1.0);
             }
         }
         assert!(most > 0.0);
